@@ -211,6 +211,14 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   const std::string& type = m.type;
   const std::vector<Stiffness> parts = nested(reading, m, {"elastic", "solid"});
   if (parts.empty()) return unknown(type, fmt::format("{} without a nested solid", quote(type)));
+  const auto charge = m.constants.find("fixed_charge_density");
+  if (charge != m.constants.end() && charge->second.value != 0)
+    return unknown(fmt::format("{}/{}", type, parts.front().type),
+                   "its fixed charges make it swell (fixed_charge_density), at rest too, which has no single E and nu");
+  for (const MaterialTree& part : m.parts)
+    if (part.tag == "solid_bound")
+      leave_out(reading, part, fmt::format("<solid_bound> of {}", quote(type)),
+                "what is taken is the drained solid without its charge and mass");
   Stiffness s = parts.front();
   s.type = fmt::format("{}/{}", type, s.type);
   if (type.find("viscoelastic") == type.npos) {
@@ -231,8 +239,8 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   add_note(s.note, fmt::format("long-term (g0 = {:g})", g0));
   leave_out(reading, m, fmt::format("the relaxation of {}", quote(type)), "what is taken is its long-term stiffness");
   if (type.rfind("uncoupled", 0) == 0) {  // only the shear relaxes
-    double k = constant_of(m, "k", 0.0, s.note);
-    if (reading.nested_k_adds) k += s.k;
+    // In files of every version (FEUncoupledViscoElasticMaterial::Init).
+    const double k = constant_of(m, "k", 0.0, s.note) + s.k;
     set_uncoupled(s, s.G * g0, k);
   } else if (!(g0 > 0)) {
     s.E = s.nu = s.G = s.lambda = kNaN;

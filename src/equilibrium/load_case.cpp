@@ -135,13 +135,17 @@ BoneMotion bone_motion(const NodeRows& nodes) {
   return bone;
 }
 
+/// Does the user take some of the body as rigid? FEBio ignores fixed nodes of its own rigid bodies.
+bool taken_as_rigid(const Instant& now, int body) {
+  const std::vector<int>& materials = now.joint.bodies[at(body)].materials;
+  return std::any_of(materials.begin(), materials.end(), [&](int m) { return !now.model.materials[at(m)].rigid; });
+}
+
 /// What fixed and prescribed nodes make of a bone that the user takes as rigid: every dof whose unit vector is in the
 /// span of their conditions has no freedom left. Prescribed nodes must move the bone without turning it.
 void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
   const Body& b = now.joint.bodies[at(body)];
-  const bool by_user =
-      std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !now.model.materials[at(m)].rigid; });
-  if (!by_user) return;  // FEBio ignores fixed nodes of its own rigid bodies
+  if (!taken_as_rigid(now, body)) return;
   const NodeRows nodes = rows_of_nodes(now, body);
   const BoneMotion bone = bone_motion(nodes);
   int dofs_held = 0;
@@ -167,6 +171,46 @@ void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
                     "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
                     "prescribe its motion",
                     nodes.mover->name, time_text(now.time), b.name));
+}
+
+/// Nodes of the elements that the user takes as rigid, per node.
+std::vector<char> nodes_of_bone(const Instant& now, int body) {
+  std::vector<char> bone(now.model.nodes.size(), 0);
+  for (const Domain& d : now.model.domains) {
+    if (d.material < 0 || now.joint.body_of(d.material) != body || now.model.materials[at(d.material)].rigid) continue;
+    for (const int node : d.nodes) bone[at(node)] = 1;
+  }
+  return bone;
+}
+
+/// Refuses fixed nodes that leave a bone a hinge, a pin or a guided end: they couple dofs, of which DEA would free all.
+void refuse_coupled_holds(const Instant& now, int body, const BodyConditions& conditions) {
+  const Body& b = now.joint.bodies[at(body)];
+  const std::vector<char> bone = nodes_of_bone(now, body);
+  for (const FixedNodes& f : now.model.fixed_nodes) {
+    if (!now.acts(f.step)) continue;
+    for (const int node : f.nodes) {
+      if (!bone[at(node)]) continue;
+      const Vector3d arm = now.model.nodes[at(node)] - b.center_of_mass;
+      for (int k = 0; k < 3; ++k) {
+        if (!f.xyz[at(k)]) continue;
+        Vector6 row;
+        row << Vector3d::Unit(k), arm.cross(Vector3d::Unit(k));
+        for (int dof = 0; dof < kDofs; ++dof) {
+          const double scale = dof < 3 ? 1.0 : arm.norm();
+          if (conditions.dofs[at(dof)] != DofState::Free || !(std::abs(row[dof]) > 1e-6 * scale)) continue;
+          throw fault_at(
+              now.model, f.origin,
+              say("fixed nodes \"{}\" leave bone \"{}\", which is taken as rigid, motions at time {} that are no "
+                  "translation along x, y or z and no rotation about them through its centre of mass (a hinge, a pin, "
+                  "a guided end), which DEA cannot follow;",
+                  f.name, b.name, time_text(now.time)),
+              say("make it a rigid body of the model with a joint there, or name with {} the dofs that it is free in",
+                  NamedSetting{"free", b.name, "DOFS"}));
+        }
+      }
+    }
+  }
 }
 
 // ---- motions -----------------------------------------------------------------------------------------------------
@@ -257,6 +301,12 @@ void set_motions(const Instant& now, LoadCase& c) {
     body.value[p.dof] = value;
     // relative to the pose when it became active: outside steps that is the reference
     body.relative[at(p.dof)] = p.relative && p.step >= 0;
+  }
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    const bool named = std::any_of(now.settings.free.begin(), now.settings.free.end(), [&](const auto& entry) {
+      return joint.find_body(now.model, entry.first) == static_cast<int>(b);
+    });
+    if (!named && taken_as_rigid(now, static_cast<int>(b))) refuse_coupled_holds(now, static_cast<int>(b), c.bodies[b]);
   }
 }
 

@@ -1,6 +1,7 @@
 #include <febiodea/joint/bodies.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/error.h>
@@ -55,13 +56,16 @@ std::vector<int> first_materials(const JointModel& model, const std::vector<char
   return first;
 }
 
-/// Masses and centres of mass.
+/// Masses and centres of mass. Of a body that the model has rigid, what the user takes as rigid is no part of either:
+/// FEBio turns it about the centre of what is rigid there.
 void find_masses(const JointModel& model, const std::vector<char>& rigid, Bodies& result) {
   std::vector<Vector3d> moments(result.bodies.size(), Vector3d::Zero());
   for (const Domain& domain : model.domains) {
     if (domain.material < 0 || !rigid[at(domain.material)]) continue;
+    const Material& material = model.materials[at(domain.material)];
     const int b = result.of_material[at(domain.material)];
-    const double density = model.materials[at(domain.material)].density;
+    if (!material.rigid && rigid_in_model(model, result.bodies[at(b)]) >= 0) continue;
+    const double density = std::isnan(material.density) ? 1.0 : material.density;
     const int elements = static_cast<int>(domain.element_ids.size());
     for (int e = 0; e < elements; ++e) {
       if (is_shell(domain.shape)) {
@@ -75,8 +79,8 @@ void find_masses(const JointModel& model, const std::vector<char>& rigid, Bodies
   }
   for (std::size_t b = 0; b < result.bodies.size(); ++b) {
     Body& body = result.bodies[b];
-    const auto& given = model.materials[at(body.materials.front())].center_of_mass;
-    if (given) {
+    const int of = rigid_in_model(model, body);
+    if (const auto& given = model.materials[at(of >= 0 ? of : body.materials.front())].center_of_mass) {
       body.center_of_mass = *given;
       body.center_given = true;
     } else if (body.mass > 0) {
@@ -86,6 +90,12 @@ void find_masses(const JointModel& model, const std::vector<char>& rigid, Bodies
 }
 
 }  // namespace
+
+int rigid_in_model(const JointModel& model, const Body& body) {
+  const auto found =
+      std::find_if(body.materials.begin(), body.materials.end(), [&](int m) { return model.materials[at(m)].rigid; });
+  return found == body.materials.end() ? -1 : *found;
+}
 
 ElementVolume element_volume(const JointModel& model, const Domain& domain, int element) {
   const int n = nodes_per_element(domain.shape);

@@ -27,7 +27,8 @@ struct Body {
 
 /// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
 /// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: twice area
-/// times thickness, as FEBio counts them; a body without any mass has it at the origin, as in FEBio).
+/// times thickness, as FEBio counts them; a body without any mass has it at the origin, as in FEBio). Where the model
+/// has some of a body's materials rigid, they alone count; a density that is not one number counts as 1.
 struct Bodies {
   std::vector<Body> bodies;      ///< the last one is the ground
   std::vector<int> of_material;  ///< per material: body, -1: not rigid
@@ -38,6 +39,9 @@ struct Bodies {
 /// "dea"): part of the body, but their nodes are not the bone's. Empty: none.
 Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid,
                    const std::vector<char>& layer_domains = {});
+
+/// The first of its materials that is rigid in the model, -1: the user takes all of them as rigid, or it has none.
+int rigid_in_model(const JointModel& model, const Body& body);
 
 /// Signed volume of a solid element (> 0 when its nodes are in FEBio's order) and its centroid.
 struct ElementVolume {

@@ -176,6 +176,20 @@ std::optional<Fault> too_thin_for_layer_law(const JointModel& model, const Conta
   return std::nullopt;
 }
 
+/// Layers so auxetic that the search for law layer's pressures was not seen to end: on the hip and with a sphere on a
+/// flat layer it does at nu = -0.3 and does not at -0.35. Empty: there are none.
+std::optional<Fault> too_auxetic_for_layer_law(const JointModel& model, const Contact& c, const ContactPair& pair) {
+  constexpr double kLeastNu = -0.3;
+  if (pair.law != Law::Layer) return std::nullopt;
+  for (const Layer& layer : pair.layers)
+    if (!layer.rigid && layer.elasticity.nu < kLeastNu)
+      return make_fault(model, c.origin,
+                        say("surface \"{}\": nu = {:g}, and law layer has no answer for less than {:g};",
+                            model.surfaces[at(layer.surface)].name, layer.elasticity.nu, kLeastNu),
+                        say("check its sign, or take {}", NamedSetting{"law", "", "neo-Hookean"}));
+  return std::nullopt;
+}
+
 /// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
 /// between two planes across one axis, where it has no end, half its width; without an end either way: infinity.
 struct Reach {
@@ -335,6 +349,7 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;
+  if (auto fault = too_auxetic_for_layer_law(model, c, pair)) return fault;
   find_selected_faces(parts, pair);
   for (Layer& layer : pair.layers)
     if (!layer.rigid) {

@@ -1,5 +1,6 @@
 #include <febiodea/joint/joint.h>
 
+#include <cmath>
 #include <utility>
 
 #include <febiodea/base/error.h>
@@ -8,6 +9,7 @@
 #include <febiodea/base/say.h>
 #include <febiodea/joint/given_values.h>
 #include <febiodea/joint/parts.h>
+#include <febiodea/joint/separate_pieces.h>
 #include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
@@ -69,6 +71,27 @@ std::vector<Sentence> unused_centers(const JointModel& model, const Bodies& bodi
             "\"{}\", is one body with it, and the centre of mass of that counts ({:.4g},{:.4g},{:.4g})",
             model.materials[at(m)].name, (*given)[0], (*given)[1], (*given)[2], body.name, body.center_of_mass[0],
             body.center_of_mass[1], body.center_of_mass[2]));
+  return findings;
+}
+
+/// Centres of mass of bones that the user takes as rigid, where they are not what the elements and densities say.
+std::vector<Sentence> chosen_centers(const JointModel& model, const Bodies& bodies) {
+  std::vector<Sentence> findings;
+  for (const Body& body : bodies.bodies) {
+    const int counts = rigid_in_model(model, body);
+    for (const int m : body.materials) {
+      const Material& material = model.materials[at(m)];
+      if (material.rigid) continue;
+      if (counts >= 0)
+        findings.push_back(say("material \"{}\" is one body with \"{}\", whose centre of mass counts, as in FEBio",
+                               material.name, model.materials[at(counts)].name));
+      else if (std::isnan(material.density))
+        findings.push_back(
+            say("material \"{}\" has a density that is not one number: the centre of mass of \"{}\" is "
+                "taken as if it were 1 everywhere",
+                material.name, body.name));
+    }
+  }
   return findings;
 }
 
@@ -179,6 +202,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.findings = parts.findings;
   append(joint.findings, liberties(model, settings));
   append(joint.findings, unused_centers(model, parts.bodies));
+  append(joint.findings, chosen_centers(model, parts.bodies));
   append(joint.findings, given_values_in_words(parts));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
@@ -191,6 +215,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
             in_words(joint.symmetry_planes)));
   append(joint.findings, contacts.findings);
   found.faults = std::move(contacts.faults);
+  if (found.faults.empty()) found.faults = separate_pieces(parts);
   if (!found.faults.empty()) return found;
   if (contacts.contacts.empty()) {
     found.faults = {

@@ -671,10 +671,20 @@ TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
        2, 10.0 / 3, "long-term (g0 = 0.5)"},
       {"4.0", R"(type="uncoupled viscoelastic"><g0>0.5</g0><k>30</k><elastic type="Yeoh"><c1>2</c1></elastic>)", 2, 30,
        "long-term (g0 = 0.5)"},
+      // FEBio's viscoelastic one adds the k nested in it, whatever the version
+      {"4.0", R"(type="uncoupled viscoelastic"><k>30</k><elastic type="Yeoh"><c1>2</c1><k>500</k></elastic>)", 4, 530,
+       "long-term (g0 = 1)"},
+      {"2.5", R"(type="uncoupled viscoelastic"><k>30</k><elastic type="Yeoh"><c1>2</c1><k>500</k></elastic>)", 4, 530,
+       "long-term (g0 = 1)"},
+      {"4.0", R"(type="uncoupled viscoelastic"><elastic type="Yeoh"><c1>2</c1><k>500</k></elastic>)", 4, 500,
+       "long-term (g0 = 1)"},
       {"4.0", R"(type="prestrain elastic"><elastic type="neo-Hookean"><E>10</E><v>0.25</v></elastic>)", 4, 20.0 / 3,
        "prestrain left out"},
       {"4.0", R"(type="multiphasic"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid>)", 4, 20.0 / 3,
        "drained solid"},
+      {"4.0",
+       R"(type="triphasic"><fixed_charge_density>0</fixed_charge_density><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid>)",
+       4, 20.0 / 3, "drained solid"},
   };
   for (const Case& c : cases) {
     const JointModel m = read(
@@ -687,6 +697,10 @@ TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
 
 TEST_F(ReadFeb, MaterialsWithoutConstantsSayWhy) {
   const std::pair<const char*, const char*> cases[] = {
+      {R"(type="multiphasic"><fixed_charge_density>-200</fixed_charge_density><solid type="neo-Hookean"><E>1</E><v>0.1</v></solid>)",
+       "its fixed charges make it swell (fixed_charge_density), at rest too, which has no single E and nu"},
+      {R"(type="triphasic"><fixed_charge_density type="math">-X</fixed_charge_density><solid type="neo-Hookean"><E>1</E><v>0.1</v></solid>)",
+       "its fixed charges make it swell (fixed_charge_density), at rest too, which has no single E and nu"},
       {R"(type="neo-Hookean"><E type="math">1+X</E><v>0</v>)", "E is a \"math\", not one number"},
       {R"(type="neo-Hookean"><E>1+X</E><v>0</v>)", "E = \"1+X\" is not one number"},
       {R"(type="neo-Hookean"><E lc="1">1</E><v>0</v>)", "E follows a load controller"},
@@ -722,6 +736,8 @@ TEST_F(ReadFeb, PartsOfMaterialsThatAreLeftOutAreIgnoredAloud) {
       {R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="neo-Hookean"><E>20</E><v>0.25</v></solid>)",
        {}},
       {R"(type="Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>100</k>)", {}},
+      {R"(type="multiphasic"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid_bound sbm="1"><rho0>1</rho0></solid_bound>)",
+       {"<solid_bound> of \"multiphasic\""}},
   };
   for (const auto& c : cases) {
     const JointModel m =

@@ -1,0 +1,15 @@
+// febiodea/joint/separate_pieces.h – bones that a material taken as rigid would make one body of.
+#pragma once
+#include <vector>
+
+#include <febiodea/base/fault.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+/// A fault for each body that the user takes as rigid and that is several bones in the model: pieces without a common
+/// node, of which more than one has something to do with the rest (cartilage, a contact, a load, a spring, a hold), and
+/// which fixed nodes do not keep where they are, all of them. FEBio moves each by itself.
+std::vector<Fault> separate_pieces(const ModelParts& parts);
+
+}  // namespace dea

@@ -1,0 +1,170 @@
+// Bones of deformable elements that the user takes as rigid: what FEBio would do with them, or a refusal.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/joint/bodies.h>
+#include <febiodea/run/analysis.h>
+#include "test_models.h"
+
+namespace dea::taken_as_rigid_test {
+
+constexpr int kPlate = 2;
+
+/// Nodes of the elements of a material of which `keep` is true.
+template <class Keep>
+std::vector<int> nodes_of(const JointModel& model, int material, Keep keep) {
+  std::vector<int> nodes;
+  for (const Domain& d : model.domains)
+    for (const int node : d.nodes)
+      if (d.material == material && keep(model.nodes[at(node)])) nodes.push_back(node);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+bool all(const Vector3d&) { return true; }
+
+void fix_nodes(JointModel& model, const std::string& name, const std::vector<int>& nodes, std::array<bool, 3> xyz) {
+  FixedNodes f;
+  f.name = name;
+  f.nodes = nodes;
+  f.xyz = xyz;
+  model.fixed_nodes.push_back(f);
+}
+
+/// A plate of deformable shells, pushed down with 1 N at each of its nodes onto a layer.
+JointModel pushed_plate() {
+  JointModel model = test::flat_plates(4, 10, 2, 0.0);
+  model.materials[kPlate].rigid = false;
+  model.materials[kPlate].center_of_mass = Vector3d(0, 0, 0);
+  NodalForce push;
+  push.nodes = nodes_of(model, kPlate, all);
+  push.value = {0, 0, -1};
+  push.controller = 0;
+  model.nodal_forces.push_back(push);
+  return model;
+}
+
+Settings plate_as_rigid() {
+  Settings settings = test::linear();
+  settings.rigid = {"plate"};
+  return settings;
+}
+
+std::string refusal(const JointModel& model, const Settings& settings) {
+  try {
+    analyse(model, settings);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A hinge along an edge takes half of the load: a plate that only sinks would press with all of it.
+TEST(TakenAsRigid, HingesPinsAndGuidedEndsAreRefused) {
+  const auto edge = [](const Vector3d& x) { return x.x() < -4.9; };
+  const auto corner = [](const Vector3d& x) { return x.x() < -4.9 && x.y() < -4.9; };
+  for (const bool pin : {false, true}) {
+    JointModel model = pushed_plate();
+    fix_nodes(model, "edge", pin ? nodes_of(model, kPlate, corner) : nodes_of(model, kPlate, edge), {true, true, true});
+    EXPECT_NE(refusal(model, plate_as_rigid()).find("fixed nodes \"edge\" leave bone \"plate\""), std::string::npos)
+        << refusal(model, plate_as_rigid());
+    Settings stated = plate_as_rigid();
+    stated.free["plate"] = {false, false, true, false, false, false};
+    EXPECT_EQ(refusal(model, stated), "");
+  }
+  // fixed in x and y alone, level with the centre of mass: z and two rotations are free; above it, they are coupled
+  JointModel guided = pushed_plate();
+  fix_nodes(guided, "guide", nodes_of(guided, kPlate, all), {true, true, false});
+  EXPECT_EQ(refusal(guided, plate_as_rigid()), "");
+  guided.materials[kPlate].center_of_mass = Vector3d(0, 0, 5);
+  EXPECT_NE(refusal(guided, plate_as_rigid()).find("fixed nodes \"guide\" leave"), std::string::npos);
+  // nothing is left to couple where the bone is held by more than the edge
+  JointModel held = pushed_plate();
+  fix_nodes(held, "edge", nodes_of(held, kPlate, edge), {true, true, true});
+  fix_nodes(held, "all", nodes_of(held, kPlate, all), {false, false, true});
+  EXPECT_EQ(refusal(held, plate_as_rigid()), "");
+}
+
+// Another bone of the same material, far away and held: one body of both would not move, and press with nothing.
+TEST(TakenAsRigid, SeparateBonesOfOneMaterialAreRefused) {
+  const auto far = [](const Vector3d& x) { return x.x() > 50; };
+  const auto near = [](const Vector3d& x) { return x.x() < 50; };
+  const auto with_another = [] {
+    JointModel model = pushed_plate();
+    test::add_rigid_surface(
+        model, "other", 2, 2, [](double u, double v) { return Vector3d(100 + u, v, 0); }, kPlate);
+    return model;
+  };
+  const JointModel idle = with_another();  // a piece that nothing has to do with but its surface, which no contact has
+  EXPECT_EQ(refusal(idle, plate_as_rigid()), "");
+  JointModel model = with_another();
+  fix_nodes(model, "far", nodes_of(model, kPlate, far), {true, true, true});
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces that nothing joins (16 elements at "), std::string::npos)
+      << refusal(model, plate_as_rigid());
+  fix_nodes(model, "near", nodes_of(model, kPlate, near), {true, true, true});
+  EXPECT_EQ(refusal(model, plate_as_rigid()), "");  // each stays where it is
+
+  // a rigid body of the model that holds nodes of both makes them one in FEBio, too
+  JointModel joined = with_another();
+  const int pot = test::add_material(joined, "pot", true);
+  joined.materials[at(pot)].center_of_mass = Vector3d(0, 0, 20);
+  test::add_rigid_surface(
+      joined, "pot", 1, 1, [](double u, double v) { return Vector3d(u, v, 20); }, pot);
+  RigidNodes set;
+  set.material = pot;
+  set.nodes = nodes_of(joined, kPlate, all);
+  joined.rigid_nodes.push_back(set);
+  test::fix(joined, pot, {true, true, false, true, true, true});
+  EXPECT_EQ(refusal(joined, plate_as_rigid()), "");
+}
+
+/// A block of `bone` with z in 0 .. 1, and one of the rigid material `pot` with z in 10 .. 12 that holds its nodes.
+struct Potted {
+  JointModel model = test::empty_model();
+  int bone = test::add_material(model, "bone", false), pot = test::add_material(model, "pot", true);
+  Potted() {
+    const auto block = [&](const char* name, int material, double from, double to) {
+      test::add_layer(
+          model, name, 1, 1, 1, [=](double u, double v) { return Vector3d(u, v, from); },
+          [=](double u, double v) { return Vector3d(u, v, to); }, material, material);
+    };
+    block("bone", bone, 0, 1);
+    block("pot", pot, 10, 12);
+    RigidNodes set;
+    set.material = pot;
+    set.nodes = nodes_of(model, bone, all);
+    model.rigid_nodes.push_back(set);
+    model.materials[at(pot)].center_of_mass.reset();
+  }
+  Body body() const { return find_bodies(model, std::vector<char>(model.materials.size(), 1)).bodies.front(); }
+};
+
+// FEBio turns a rigid body about its own centre: what hangs on it and is deformable does not count.
+TEST(TakenAsRigid, TheCentreOfARigidBodyOfTheModelStays) {
+  Potted joint;
+  EXPECT_LT((joint.body().center_of_mass - Vector3d(0.5, 0.5, 11)).norm(), 1e-12);
+  EXPECT_NEAR(joint.body().mass, 2.0, 1e-12);
+  joint.model.materials[at(joint.pot)].center_of_mass = Vector3d(1, 2, 3);
+  EXPECT_EQ(joint.body().center_of_mass, Vector3d(1, 2, 3));
+  EXPECT_TRUE(joint.body().center_given);
+}
+
+// A density that is a map leaves no NaN and no origin behind: that of the block is taken, and told.
+TEST(TakenAsRigid, ADensityThatIsNoNumberCountsAsOne) {
+  Potted joint;
+  joint.model.rigid_nodes.clear();
+  joint.model.materials[at(joint.bone)].density = kNaN;
+  EXPECT_LT((joint.body().center_of_mass - Vector3d(0.5, 0.5, 0.5)).norm(), 1e-12);
+
+  JointModel model = pushed_plate();
+  model.materials[kPlate].density = kNaN;
+  const Joint found = make_joint(model, plate_as_rigid());
+  EXPECT_TRUE(std::any_of(found.findings.begin(), found.findings.end(), [](const Sentence& s) {
+    return s.text.find("has a density that is not one number") != std::string::npos;
+  }));
+}
+
+}  // namespace dea::taken_as_rigid_test
