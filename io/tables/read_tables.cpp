@@ -112,6 +112,37 @@ Sentence unit_remedy(const std::optional<UnitNames>& model, const NamedSetting& 
                      NamedSetting{"units", "", "SYSTEM"}, of_table, such_as);
 }
 
+/// What a column of forces or moments is counted in: bodies' weights or masses.
+enum class PerBody { No, Percent, Weight, Mass };
+
+PerBody per_body(const std::string& unit) {
+  if (unit.starts_with("%")) return PerBody::Percent;
+  if (unit.find("bw") != unit.npos) return PerBody::Weight;
+  return unit.find("/kg") != unit.npos ? PerBody::Mass : PerBody::No;
+}
+
+/// What to do about a column of loads whose name says another unit than it is taken in.
+Sentence load_remedy(const std::string& unit, bool weight_given, const std::optional<UnitNames>& model) {
+  const NamedSetting weight = {"body-weight", "", weight_given ? "" : "N"};
+  const PerBody per = per_body(unit);
+  const bool heights = unit.ends_with("ht") || unit.ends_with("bwh");
+  if (per == PerBody::Mass)
+    return say("multiply the column by the body's mass in kg, and take the \"/kg\" out of its name{}",
+               weight_given ? say("; leave {} out", NamedSetting{"body-weight"}) : Sentence());
+  if (heights)
+    return say(
+        "multiply the column by the body's height{}, name it as a moment in % of body weight times a length, and "
+        "give the weight with {}",
+        per == PerBody::Weight ? " and by 100" : "", NamedSetting{"body-weight", "", "N"});
+  if (per == PerBody::Weight)
+    return say("multiply the column by 100, name it in %BW, and give the body weight with {}",
+               NamedSetting{"body-weight", "", "N"});
+  if (weight_given)
+    return say("with {} they are percent of it: leave that out, or convert the column and its name", weight);
+  if (per == PerBody::Percent) return say("give the body weight with {}: the columns are percent of it then", weight);
+  return unit_remedy(model, {"load-units", "", "FORCE-LENGTH"}, "N-m");
+}
+
 void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
   if (!file.empty() && body.empty())
     throw wrong_setting(file_setting, file, "no body is named on which its rows act;",
@@ -245,10 +276,7 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   const std::vector<int> columns = load_columns(table, loads.columns);
   const UnitNames own = system.value_or(unit_names(kUnnamed));
   const std::array<std::string, 2> taken = units_taken(units, own.force, own.length);
-  const Sentence remedy =
-      loads.body_weight ? say("with {} they are percent of it: leave that out, or convert the column and its name",
-                              NamedSetting{"body-weight"})
-                        : unit_remedy(system, {"load-units", "", "FORCE-LENGTH"}, "N-m");
+  const auto remedy = [&](const std::string& unit) { return load_remedy(unit, loads.body_weight.has_value(), system); };
   const std::string force_unit = loads.body_weight ? "%bw" : taken[0];
   refuse_other_units(table, columns, 0, force_unit, force_words(), remedy);
   refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
@@ -345,7 +373,9 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
     throw wrong_setting("motion-units", units,
                         say("{} says inDegrees={} in its header;", table.path, *table.degrees ? "yes" : "no"),
                         "say the same, or correct the header");
-  const Sentence remedy = unit_remedy(system, {"motion-units", "", "ANGLE-LENGTH"}, "deg-m");
+  const auto remedy = [&](const std::string&) {
+    return unit_remedy(system, {"motion-units", "", "ANGLE-LENGTH"}, "deg-m");
+  };
   refuse_other_units(table, columns, 0, taken[1], length_words(), remedy);
   refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
   const bool says = name_says_unit(table, columns, 0, length_words());
@@ -376,10 +406,11 @@ void read_node_thickness(const JointModel& model, const GivenTables& given, Node
   const NumberTable table = table_of(thickness.file, given);
   const int node_column = column_called(table, "node"), column = column_called(table, "thickness");
   const std::string length = model_system(model).value_or(unit_names(kUnnamed)).length;
-  refuse_other_units(table, {column}, 0, length, length_words(),
-                     model_system(model) ? Sentence("convert the column and its name")
-                                         : say("convert the column and its name, or name the model's units with {}",
-                                               NamedSetting{"units", "", "SYSTEM"}));
+  refuse_other_units(table, {column}, 0, length, length_words(), [&](const std::string&) {
+    return model_system(model) ? Sentence("convert the column and its name")
+                               : say("convert the column and its name, or name the model's units with {}",
+                                     NamedSetting{"units", "", "SYSTEM"});
+  });
   if (!model_system(model) && name_says_unit(table, {column}, 0, length_words()))
     refuse_metres(model, table.path, "thickness-from");
   std::map<int, int> line_of;  // by node

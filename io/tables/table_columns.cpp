@@ -127,7 +127,7 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
 }
 
 void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
-                        const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy) {
+                        const std::string& expected, const std::vector<std::string>& known, const UnitRemedy& remedy) {
   for (std::size_t k = first; k < std::min(columns.size(), first + 3); ++k) {
     const std::string& name = table.names[at(columns[k])];
     const std::string unit = unit_in_name(name);
@@ -135,7 +135,7 @@ void refuse_other_units(const NumberTable& table, const std::vector<int>& column
     throw InputError(Fault{.place = table.path,
                            .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name),
                                         unit_in_words(expected)),
-                           .expected = remedy});
+                           .expected = remedy(unit)});
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,13 @@ std::array<int, 3> vector_columns(const NumberTable& table, const char* setting,
 /// another count.
 std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names);
 
+/// What to do about a column whose name says this unit, in small letters: "kn", "%bw".
+using UnitRemedy = std::function<Sentence(const std::string& unit)>;
+
 /// InputError: a column, of the three from `first` on, whose name says a unit of `known` other than `expected` ("n",
 /// "nm").
 void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
-                        const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy);
+                        const std::string& expected, const std::vector<std::string>& known, const UnitRemedy& remedy);
 
 /// Does one of the three columns from `first` on say a unit of `known`?
 bool name_says_unit(const NumberTable& table, const std::vector<int>& columns, std::size_t first,

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/io/tables/number_table.h>
 #include <febiodea/model/settings_table.h>
 
@@ -302,6 +304,49 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
   EXPECT_THROW(header("inDegrees=no\n", "deg-m"), UsageError);
   EXPECT_NO_THROW(header("inDegrees=yes\n", "deg-m"));
   EXPECT_NO_THROW(header("", "deg-m"));
+}
+
+// What a file is counted in says what to do about it.
+TEST(Tables, ColumnsPerWeightOrMassSayWhatToDo) {
+  const auto remedy = [](const std::string& names, std::optional<double> weight = {}) {
+    Settings settings;
+    std::string row = "0";
+    for (char c : names) row += c == ',' ? ",1" : "";
+    settings.loads.file = file("per.csv", "time," + names + "\n" + row + ",1\n");
+    settings.loads.body = "femur";
+    settings.loads.body_weight = weight;
+    JointModel model;
+    model.units = "mm-N-s";
+    try {
+      read_tables(model, settings);
+    } catch (const InputError& e) {
+      const std::string text = line(e.fault, command_line_wording());
+      return text.substr(text.find("otherwise; ") + 11);
+    }
+    return std::string();
+  };
+  const auto force = [](const char* unit) { return fmt::format("fx [{0}],fy [{0}],fz [{0}]", unit); };
+  const auto moment = [](const char* unit) { return fmt::format("fx,fy,fz,mx [{0}],my [{0}],mz [{0}]", unit); };
+  const std::string hundredfold =
+                        "multiply the column by 100, name it in %BW, and give the body weight with --body-weight N",
+                    mass = "multiply the column by the body's mass in kg, and take the \"/kg\" out of its name";
+  for (const char* unit : {"%BW", "% BW", "%"})
+    EXPECT_EQ(remedy(force(unit)), "give the body weight with --body-weight N: the columns are percent of it then");
+  EXPECT_EQ(remedy(moment("%BW m")), "give the body weight with --body-weight N: the columns are percent of it then");
+  for (const char* unit : {"BW", "xBW", "x BW"}) {
+    EXPECT_EQ(remedy(force(unit)), hundredfold);
+    EXPECT_EQ(remedy(force(unit), 800.0), hundredfold);
+  }
+  EXPECT_EQ(remedy(force("N/kg")), mass);
+  EXPECT_EQ(remedy(force("N/kg"), 800.0), mass + "; leave --body-weight out");
+  EXPECT_EQ(remedy(moment("Nm/kg")), mass);
+  EXPECT_EQ(
+      remedy(moment("%BW*Ht")),
+      "multiply the column by the body's height, name it as a moment in % of body weight times a length, and give "
+      "the weight with --body-weight N");
+  EXPECT_NE(remedy(force("kN")).find("--load-units FORCE-LENGTH"), std::string::npos);
+  EXPECT_NE(remedy(force("N"), 800.0).find("percent of it: leave that out"), std::string::npos);
+  EXPECT_EQ(remedy(force("%BW"), 800.0), "");
 }
 
 TEST(Tables, OneLoadsColumnsAndWholeFiles) {
