@@ -194,12 +194,11 @@ std::string left_unread(const NumberTable& table, std::vector<int> known, const 
                         const char* second) {
   constexpr std::size_t kNamed = 6;
   known.insert(known.end(), told.begin(), told.end());
+  known.push_back(time_column(table));
   std::vector<int> others;
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const int column = static_cast<int>(i);
-    const std::string name = bare_name(table.names[i]);
-    if (name != "time" && name != "t" && std::find(known.begin(), known.end(), column) == known.end())
-      others.push_back(column);
+    if (std::find(known.begin(), known.end(), column) == known.end()) others.push_back(column);
   }
   if (others.empty()) return "";
   const std::size_t more = others.size() - std::min(others.size(), kNamed);

@@ -17,15 +17,6 @@ namespace dea {
 
 namespace {
 
-int time_column(const NumberTable& table) {
-  for (std::size_t i = 0; i < table.names.size(); ++i) {
-    const std::string name = bare_name(table.names[i]);
-    if (name == "time" || name == "t" || name == "percent" || name.find("cycle") != name.npos || name == "%")
-      return static_cast<int>(i);
-  }
-  return -1;
-}
-
 /// What a column's name says in brackets: "Fx [N]" "n", "mx (N m)" "nm"; empty: nothing.
 std::string unit_in_name(const std::string& name) {
   const std::size_t open = name.find_last_of("[("), close = name.find_last_of("])");
@@ -168,6 +159,15 @@ std::array<std::string, 2> units_taken(const std::string& units, const std::stri
   const std::size_t dash = units.find('-');
   if (dash != units.npos) return {lower_case(units.substr(0, dash)), lower_case(units.substr(dash + 1))};
   return {lower_case(first), lower_case(length)};
+}
+
+int time_column(const NumberTable& table) {
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const std::string name = bare_name(table.names[i]);
+    if (name == "time" || name == "t" || name == "percent" || name.find("cycle") != name.npos || name == "%")
+      return static_cast<int>(i);
+  }
+  return -1;
 }
 
 std::vector<double> times_of(const NumberTable& table) {

@@ -53,6 +53,9 @@ std::vector<std::string> moment_words();  ///< "nm", "nmm", ...
 /// Before and behind the dash of "N-m", or of the model's system; empty: nobody knows.
 std::array<std::string, 2> units_taken(const std::string& units, const std::string& first, const std::string& length);
 
+/// The column of the rows' times; -1: there is none.
+int time_column(const NumberTable& table);
+
 /// Rising times of the rows; without a column of times: 1, 2, 3, ... InputError: they do not rise.
 std::vector<double> times_of(const NumberTable& table);
 

@@ -349,6 +349,16 @@ TEST(Tables, ColumnsPerWeightOrMassSayWhatToDo) {
   EXPECT_EQ(remedy(force("%BW"), 800.0), "");
 }
 
+// The column of times is read, whatever its name.
+TEST(Tables, TheColumnOfTimesIsNotToldAsUnread) {
+  const auto words = [](const char* names, const char* rest = "0,1,2,3\n") {
+    return loads_of(file("t.csv", fmt::format("{},fx,fy,fz\n", names) + rest)).loads.words;
+  };
+  for (const char* time : {"time", "t", "cycle [%]", "gait cycle", "percent"})
+    EXPECT_EQ(words(time).find("not read"), std::string::npos) << time;
+  EXPECT_NE(words("cycle [%],speed", "0,1,1,2,3\n").find("; no moments: speed is not read from it"), std::string::npos);
+}
+
 TEST(Tables, OneLoadsColumnsAndWholeFiles) {
   const std::string names = "time,hip_fx,hip_fy,hip_fz,knee_mx,knee_my,knee_mz\n0,1,2,3,4,5,6\n";
   EXPECT_NE(refusal(file("a.csv", names)).find("the force is that of hip, the moment that of knee"), std::string::npos);
