@@ -341,6 +341,24 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
   return columns;
 }
 
+/// Angles of more than a whole turn that are said to be in radians: these are degrees.
+void refuse_degrees_as_radians(const NumberTable& table, const std::vector<int>& columns, const std::string& length) {
+  constexpr double kWholeTurn = 2 * kPi * (1 + 1e-4);  // and digits of a table
+  for (std::size_t r = 0; r < table.rows.size(); ++r)
+    for (std::size_t k = 3; k < columns.size(); ++k) {
+      const double angle = table.rows[r][at(columns[k])];
+      if (std::abs(angle) <= kWholeTurn) continue;
+      throw InputError(
+          Fault{.place = fmt::format("{}:{}", table.path, table.lines[r]),
+                .found = say("column {}: found {:g} in radians, more than a whole turn;",
+                             febio::quote(table.names[at(columns[k])]), angle),
+                .expected = table.degrees ? say("if these are degrees, correct the header to inDegrees=yes and say {}",
+                                                NamedSetting{"motion-units", "", "deg-" + length})
+                                          : say("if these are degrees, say {}; else take whole turns out",
+                                                NamedSetting{"motion-units", "", "deg-" + length})});
+    }
+}
+
 void read_motion(const JointModel& model, const GivenTables& given, MotionTable& motion) {
   const NumberTable table = table_of(motion.file, given);
   const std::optional<UnitNames> system = model_system(model);
@@ -380,6 +398,7 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   const bool says = name_says_unit(table, columns, 0, length_words());
   if (!system && units.empty() && says) scale.words += kTakenUnnamed;
   if (!system && (!units.empty() || says)) refuse_metres(model, table.path, "motion-units");
+  if (motion.turns && taken[0] == "rad") refuse_degrees_as_radians(table, columns, taken[1]);
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {

@@ -359,6 +359,37 @@ TEST(Tables, TheColumnOfTimesIsNotToldAsUnread) {
   EXPECT_NE(words("cycle [%],speed", "0,1,1,2,3\n").find("; no moments: speed is not read from it"), std::string::npos);
 }
 
+TEST(Tables, DegreesThatAreSaidToBeRadiansAreRefused) {
+  const auto read = [](const std::string& rows, const std::string& units, const char* rotation,
+                       const char* name = "turn.csv", const std::string& head = "") {
+    Settings settings;
+    settings.motion.file = file(name, head + "time\ttx\tty\ttz\trx\try\trz\n" + rows);
+    settings.motion.body = "femur";
+    settings.motion.rotation = rotation;
+    settings.motion.units = units;
+    JointModel model;
+    model.units = "mm-N-s";
+    try {
+      read_tables(model, settings);
+    } catch (const InputError& e) {
+      return line(e.fault, command_line_wording()).substr(settings.motion.file.size());
+    }
+    return std::string();
+  };
+  const std::string rows = "0\t0\t0\t0\t0\t0\t0.5\n1\t0\t0\t0\t0\t-25\t0\n";
+  for (const char* rotation : {"zxy", "vector"})
+    EXPECT_EQ(
+        read(rows, "rad-mm", rotation),
+        ":3: column \"ry\": found -25 in radians, more than a whole turn; if these are degrees, say --motion-units "
+        "deg-mm; else take whole turns out");
+  EXPECT_EQ(read(rows, "deg-mm", "zxy"), "");
+  EXPECT_EQ(read("0\t9\t9\t9\t0\t6.2832\t-6.2832\n", "rad-mm", "zxy"), "");  // translations are none
+  EXPECT_EQ(
+      read(rows, "", "zxy", "turn.mot", "inDegrees=no\nendheader\n"),
+      ":5: column \"ry\": found -25 in radians, more than a whole turn; if these are degrees, correct the header to "
+      "inDegrees=yes and say --motion-units deg-m");
+}
+
 TEST(Tables, OneLoadsColumnsAndWholeFiles) {
   const std::string names = "time,hip_fx,hip_fy,hip_fz,knee_mx,knee_my,knee_mz\n0,1,2,3,4,5,6\n";
   EXPECT_NE(refusal(file("a.csv", names)).find("the force is that of hip, the moment that of knee"), std::string::npos);
