@@ -83,6 +83,33 @@ with tempfile.TemporaryDirectory() as temporary:
     (folder / "s.xml").write_text('<febiodea_settings version="1"><law>linear</law></febiodea_settings>')
     check(run("cite", HIP, "--settings", folder / "s.xml"), ["Settings given: law linear;"], of="dea cite --settings")
 
+    # Rows of tables are the states that are solved; what they replace of the model is not told as what holds
+    gait = samples / "osteotomy/gait.csv"
+    (folder / "path.csv").write_text("time,tx,ty,tz\n3,0,0,0.1\n4,0,0,0.2\n")
+    held = '"pelvis": x held, y held, z held, Ru held, Rv held, Rw held'
+    femur = '"femur": x free, y free, z free, Ru held, Rv held, Rw held'
+    for table, skip, conditions, states in (
+            (("--loads", gait, "--load-body", "femur"), (), f"{femur}; the load of the table {gait}.", 13),
+            (("--loads", gait, "--load-body", "femur"), ("--skip-steps",), f"{femur}; the load of the table {gait}.", 13),
+            (("--motion", folder / "path.csv", "--motion-body", "femur"), (),
+             '"femur": x prescribed by the table, y prescribed by the table, z prescribed by the table, Ru held, Rv held, Rw held; '
+             f"force (432, -262, 1834); the motion of the table {folder / 'path.csv'}.", 2)):  # the model's force stays
+        way = ", without walking through the model's steps." if skip else ", after the ends of the model's steps."
+        check(run("cite", HIP, *table, *skip), [f"In every row of the table, {conditions}", f"In every row of the table, {held}.",
+                                               f"sought in {states} states, one for each row of the table{way}"],
+              (["1834"] if gait in table else []) + ["x prescribed 0", "23 states", "last step", "cycle [%] is not"], "dea cite with a table")
+        info = run("info", HIP, *table, *skip)
+        check(info, [f"  in every row of the table:\n    {conditions[:-1]}\n".replace('"', "", 2), f"times of the {states} states\n",
+                     "step size 0.05, not walked through; at its end:" if skip else "step size 0.05, solved at its end alone, on the way to the table's rows; there:"],
+              ["20 states"], "dea info with a table")
+        run("run", HIP, *table, *skip, "-q", "--json", folder / "rows.json", "-o", folder / "rows.xplt", "--overwrite")
+        solved = [s["time"] for s in json.loads((folder / "rows.json").read_text())["states"]]
+        told = json.loads(run("info", HIP, *table, *skip, "--json", "-"))
+        if told["times"] != solved or len(solved) != states or [s["states"] for s in told["steps"]] != ([0, 0] if skip else [1, 1]):
+            faults.append(f"dea info --json with a table: times {told['times']}, expected those of dea run, {solved}; steps {told['steps']}")
+    check(run("cite", HIP, "--skip-steps"), ["sought in 1 state (time 2), without walking"], of="dea cite --skip-steps")
+    check(run("info", HIP, "--skip-steps"), ["time of the state\n  2\n", "step size 0.5, 1 state; at its end:"], of="dea info --skip-steps")
+
     # Compared with FEBio: only with a result of FEBio's
     check(run("cite", HIP, "--compared", HIP_FEBIO), ["FEBio 4.11.0", "10.1115/1.4005694"], of="dea cite --compared")
     run("run", samples / "sphere_on_flat/sphere_on_flat.feb", "--states", "last", "-q", "-o", folder / "ours.xplt")

@@ -6,6 +6,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/load_curve.h>
 #include <febiodea/run/prepared.h>
+#include <febiodea/run/states.h>
 
 namespace dea {
 
@@ -53,7 +54,17 @@ void check_contacts(const Recognition& recognition, const SpringBeds& beds, cons
   }
 }
 
-void check_steps(const JointModel& model, const Settings& settings, JointCheck& check) {
+/// All states that `dea run` solves, and which of them it shows.
+States states_of(const JointModel& model, const Settings& settings) {
+  if (row_count(settings) == 0 && !settings.skip_steps) return all_states(model_times(model, true));
+  StatesAsked asked;
+  asked.all = true;
+  return row_states(model, settings, asked, "");
+}
+
+/// `solved`: the times of all states, those on the way too.
+void check_steps(const JointModel& model, const Settings& settings, const std::vector<TimePoint>& solved,
+                 JointCheck& check) {
   const std::vector<double> starts = step_starts(model);
   for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
     StepCheck step;
@@ -61,11 +72,20 @@ void check_steps(const JointModel& model, const Settings& settings, JointCheck& 
     step.start = starts[at(s)];
     step.end = starts[at(s) + 1];
     step.step_size = model.steps[at(s)].step_size;
-    for (const TimePoint& t : check.times)
-      if (t.step == s && t.time > 0) ++step.states;
+    for (const TimePoint& t : solved)
+      if (t.step == s && t.row < 0 && t.time > 0) ++step.states;
     step.load_case = make_load_case(model, check.joint, settings, s, step.end);
     check.steps.push_back(std::move(step));
   }
+}
+
+/// The model's conditions under the tables. Settings that contradict each other were refused by the recognition.
+std::optional<LoadCase> check_row(const Recognition& recognition, const Joint& joint) {
+  if (row_count(recognition.settings) == 0 || !recognition.faults.empty()) return std::nullopt;
+  Settings settings = recognition.settings;
+  for (Vector6& load : settings.loads.load) load.setZero();
+  const std::vector<Pose> start = at_start(recognition).poses;
+  return make_row_case(recognition.model, joint, settings, 0, start, start);
 }
 
 /// `contacts`: how these are looked at.
@@ -79,9 +99,14 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
     check.joint = recognition.joint;
     contacts(check);
     check.recognised = true;
-    check.times = model_times(model, true);
-    if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
-    if (controllers_have_values(model)) check_steps(model, recognition.settings, check);
+    const States states = states_of(model, recognition.settings);
+    for (std::size_t i = 0; i < states.times.size(); ++i)
+      if (states.wanted[i]) check.times.push_back(states.times[i]);
+    const bool own = row_count(recognition.settings) == 0 && !recognition.settings.skip_steps;
+    if (own && very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
+    if (!controllers_have_values(model)) return check;
+    check_steps(model, recognition.settings, states.times, check);
+    check.row = check_row(recognition, check.joint);
   } catch (const InputError& found) {
     if (check.errors.empty()) check.errors.push_back(found.fault);
   }

@@ -1,5 +1,6 @@
 // febiodea/run/check.h – what was recognised in a model, before anything is solved.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,11 +29,11 @@ struct ContactCheck {
   double gap_p5 = 0.0;
 };
 
-/// Conditions at the end of one step.
+/// Conditions at the end of one step of the model's own.
 struct StepCheck {
   std::string name;
   double start = 0.0, end = 0.0, step_size = 0.0;
-  int states = 0;
+  int states = 0;  ///< of this step that `dea run` solves, without rows of tables
   LoadCase load_case;
 };
 
@@ -45,8 +46,12 @@ struct JointCheck {
   std::vector<ContactFields> fields;  ///< at the reference poses
   std::vector<ContactCheck> contacts;
   std::vector<StepCheck> steps;  ///< empty: conditions could not be made
-  std::vector<TimePoint> times;
-  std::vector<Fault> errors;  ///< why `dea run` would refuse this model, the most basic first
+  /// What holds, moves and loads the bodies in every row of the tables of loads and motion, without what the rows
+  /// themselves say: their loads are 0, and prescribed values of the body that a table moves are those of the first
+  /// row. nullopt: there are no tables, or there are errors.
+  std::optional<LoadCase> row;
+  std::vector<TimePoint> times;  ///< of the states that `dea run` shows: of the rows, where there are tables
+  std::vector<Fault> errors;     ///< why `dea run` would refuse this model, the most basic first
 };
 
 /// Never throws InputError: what was found is in `errors`.

@@ -143,12 +143,17 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
 
 }  // namespace
 
-std::string conditions_text(const BodyConditions& c) {
-  std::string text, loads;
+namespace {
+
+/// `by_table`: how many of the dofs, from the first on, a table moves. `loads`: told as they are, before the arm.
+std::string conditions_text_with(const BodyConditions& c, int by_table, const std::string& loads) {
+  std::string text;
   for (int k = 0; k < kDofs; ++k) {
     const DofState s = c.dofs[at(k)];
     text += fmt::format("{}{} {}", k ? ", " : "", kDofNames[k], word(s));
-    if (s == DofState::Prescribed)
+    if (k < by_table)
+      text += " by the table";
+    else if (s == DofState::Prescribed)
       text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
   }
   const auto add = [&](const char* what, const Vector3d& v) {
@@ -158,12 +163,33 @@ std::string conditions_text(const BodyConditions& c) {
   add("moment", c.dead.tail<3>());
   add("following force", c.follower.head<3>());
   add("following moment", c.follower.tail<3>());
+  text += loads;
   add("acting at an arm of", c.arm);
   for (const PointForce& p : c.point_forces)
     text += fmt::format("; {} {} at {} from the centre of mass", p.turns ? "following force" : "force",
                         vector_text(p.force), vector_text(p.arm));
   if (c.on_reaction) text += "; loads that start from the reaction at the step's start, not known here";
   return text;
+}
+
+}  // namespace
+
+std::string conditions_text(const BodyConditions& c) { return conditions_text_with(c, 0, ""); }
+
+std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body) {
+  const auto table = [](const std::string& file) { return file.empty() ? "a table" : "the table " + file; };
+  const auto is_of = [&](const std::string& name) {
+    return !name.empty() && check.joint.find_body(model, name) == body;
+  };
+  const LoadTable& loads = settings.loads;
+  const MotionTable& motion = settings.motion;
+  const bool loaded = !loads.time.empty() && is_of(loads.body), moved = !motion.time.empty() && is_of(motion.body);
+  std::string words;
+  if (moved) words += fmt::format("; the motion of {}", table(motion.file));
+  if (loaded)
+    words += fmt::format("; the load of {}{}", table(loads.file),
+                         is_of(loads.frame.body) ? ", which turns with the body" : "");
+  return conditions_text_with(check.row->bodies[at(body)], !moved ? 0 : motion.turns ? kDofs : 3, words);
 }
 
 namespace {
@@ -207,7 +233,25 @@ std::string connector_text(const Joint& joint, const Connector& c) {
   return text + step_words(c.step) + "\n";
 }
 
-std::string steps_text(const JointCheck& check) {
+/// How many states of a step are solved: with tables, or without walking through the steps, at most its end.
+std::string states_words(const StepCheck& step, const Settings& settings) {
+  if (step.states == 0) return "not walked through; at its end";
+  if (row_count(settings) > 0) return "solved at its end alone, on the way to the table's rows; there";
+  return fmt::format("{} state{}; at its end", step.states, step.states == 1 ? "" : "s");
+}
+
+/// What holds, moves and loads the bodies once the rows begin.
+std::string rows_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
+  if (!check.row) return "";
+  std::string text = "  in every row of the table:\n";
+  for (int b : reported_bodies(check.joint)) {
+    if (check.joint.bodies[at(b)].ground) continue;
+    text += fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, row_conditions_text(model, settings, check, b));
+  }
+  return text;
+}
+
+std::string steps_text(const JointCheck& check, const Settings& settings) {
   constexpr std::size_t kBegin = 20, kEnd = 5, kMany = 40;  // of very many steps the first and last
   std::string text;
   for (std::size_t s = 0; s < check.steps.size(); ++s) {
@@ -217,9 +261,9 @@ std::string steps_text(const JointCheck& check) {
       text += fmt::format("  ... {} more steps\n", check.steps.size() - kBegin - kEnd);
       continue;
     }
-    text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
+    text += fmt::format("  step {}{}: time {} to {}, step size {}, {}:\n", s + 1,
                         step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), time_text(step.start),
-                        time_text(step.end), number_text(step.step_size), step.states);
+                        time_text(step.end), number_text(step.step_size), states_words(step, settings));
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
       text +=
@@ -254,7 +298,8 @@ std::string load_points_text(const JointModel& model, const Settings& settings, 
 std::string times_text(const std::vector<TimePoint>& times) {
   if (times.empty()) return "";
   constexpr std::size_t kShown = 60;
-  std::string text = fmt::format("\ntimes of the {} states\n ", times.size());
+  std::string text =
+      times.size() == 1 ? "\ntime of the state\n " : fmt::format("\ntimes of the {} states\n ", times.size());
   for (std::size_t i = 0; i < std::min(times.size(), kShown); ++i) text += fmt::format(" {}", time_text(times[i].time));
   return text + (times.size() > kShown ? fmt::format(" ... {}\n", time_text(times.back().time)) : "\n");
 }
@@ -282,7 +327,9 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
     text += "\ncontacts\n" + contacts_text(model, settings, check);
     text += connections_text(check.joint);
   }
-  if (!check.steps.empty()) text += "\nsteps\n" + steps_text(check) + load_points_text(model, settings, check.joint);
+  if (!check.steps.empty())
+    text += "\nsteps\n" + steps_text(check, settings) + rows_text(model, settings, check) +
+            load_points_text(model, settings, check.joint);
   text += times_text(check.times) + remarks_text(model, check.joint);
   if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
   for (const Fault& fault : check.errors) text += "  " + line(fault, command_line_wording()) + "\n";

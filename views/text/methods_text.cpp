@@ -238,7 +238,18 @@ void say_contacts(Methods& m, const JointModel& model, const Settings& settings,
   if (settings.inside) m.say("Stress and strain inside the cartilage followed from the same solution of law layer.");
 }
 
-void say_loads(Methods& m, const Settings& settings, const JointCheck& check) {
+/// How the states are reached that a table's rows are, or the model's last one.
+std::string states_words(const Settings& settings, const JointCheck& check) {
+  const std::string states = counted(check.times.size(), "state", "states");
+  const char* skipped = settings.skip_steps ? ", without walking through the model's steps" : "";
+  if (check.row)
+    return fmt::format("{}, one for each row of the table{}", states,
+                       settings.skip_steps ? skipped : ", after the ends of the model's steps");
+  const std::string first = time_text(check.times.front().time), last = time_text(check.times.back().time);
+  return fmt::format("{} (time {}{}){}", states, first, check.times.size() == 1 ? "" : " to " + last, skipped);
+}
+
+void say_loads(Methods& m, const JointModel& model, const Settings& settings, const JointCheck& check) {
   const Joint& joint = check.joint;
   std::vector<std::string> parts;
   if (!joint.ligaments.empty())
@@ -248,17 +259,15 @@ void say_loads(Methods& m, const Settings& settings, const JointCheck& check) {
   if (!parts.empty()) m.say(fmt::format("{} joined bodies.", listed(parts)));
   for (const auto* words : {&settings.loads.words, &settings.motion.words})
     if (!words->empty()) m.say(fmt::format("Table: {}.", *words));
-  const StepCheck& last = check.steps.back();
   for (int b : reported_bodies(joint)) {
     if (joint.bodies[at(b)].ground) continue;
-    m.say(fmt::format("At the end of the last step, {}: {}.", in_quotes(joint.bodies[at(b)].name),
-                      conditions_text(last.load_case.bodies[at(b)])));
+    m.say(fmt::format("{}, {}: {}.", check.row ? "In every row of the table" : "At the end of the last step",
+                      in_quotes(joint.bodies[at(b)].name),
+                      check.row ? row_conditions_text(model, settings, check, b)
+                                : conditions_text(check.steps.back().load_case.bodies[at(b)])));
   }
   if (!check.times.empty())
-    m.say(fmt::format("Static equilibrium of all free motions was sought in {} (time {} to {}){}.",
-                      counted(check.times.size(), "state", "states"), time_text(check.times.front().time),
-                      time_text(check.times.back().time),
-                      settings.skip_steps ? ", without walking through the model's steps" : ""));
+    m.say(fmt::format("Static equilibrium of all free motions was sought in {}.", states_words(settings, check)));
 }
 
 }  // namespace
@@ -272,7 +281,7 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
   say_layers(m, model, settings, check.joint);
   say_planes(m, check.joint);
   say_contacts(m, model, settings, check);
-  say_loads(m, settings, check);
+  say_loads(m, model, settings, check);
   m.say(
       "Pressures (99th percentile, mean, peak) and areas are of nodes, averages of the facets around each, above 5 % "
       "of the "
