@@ -9,6 +9,8 @@
 
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/convergence.h>
+#include <febiodea/run/states.h>
 #include "analytic/concentric_spheres.h"
 #include "analytic/sphere_on_flat.h"
 #include "program.h"
@@ -659,6 +661,27 @@ TEST(SamplesHip, Walking) { check_hip(sample("hip/hip_walking.feb"), kHips[0]); 
 TEST(SamplesHip, ReferenceActivities) {
   if (!fs::exists(kReference / kHips[0].file)) GTEST_SKIP() << "no reference models";
   for (const HipFigures& hip : kHips) check_hip(model_of((kReference / hip.file).string()), hip);
+}
+
+// The last state alone is looked at: solved are that, and the ends of steps before it. Its numbers are those of
+// `dea run` at these divisions, but for the tolerance of balance.
+TEST(SamplesHip, ConvergeSolvesTheWayToTheLastStateAlone) {
+  const JointModel& model = sample("hip/hip_walking.feb");
+  std::size_t most = 0;
+  const std::vector<Convergence> found =
+      converge(model, {}, 0.5, 10000, {}, [&](const Activity& a) { most = std::max(most, a.count); });
+  EXPECT_EQ(most, 3u);  // times 0, 1 and 2 of 23
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_GE(found[0].rows.size(), 2u);
+  for (const ConvergenceRow& row : found[0].rows) {
+    Settings settings;
+    settings.refine = row.refine;
+    const StateResult last = last_state(model, settings);  // through all 23
+    EXPECT_NEAR(row.peak / last.statistics[0].peak, 1, 1e-5);
+    EXPECT_NEAR(row.mean / last.statistics[0].mean, 1, 1e-5);
+    EXPECT_NEAR(row.area / last.statistics[0].contact_area, 1, 1e-5);
+    EXPECT_EQ(row.outcome, last.equilibrium.outcome);
+  }
 }
 
 TEST(SamplesHip, Program) {

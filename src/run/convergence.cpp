@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/run/states.h>
@@ -16,6 +17,14 @@ int springs_reaching(const std::vector<ConvergenceRow>& rows, double limit) {
   int springs = -1;
   for (std::size_t i = rows.size(); i-- > 1 && rows[i].changes_below(limit);) springs = rows[i - 1].springs;
   return springs;
+}
+
+/// The last state, and those on the way to it from which it may start or count: as where only it is asked for.
+std::vector<TimePoint> last_state(const JointModel& model, const Settings& settings) {
+  if (settings.skip_steps) return row_states(model, settings, parse_states("last"), "").times;
+  std::vector<TimePoint> times = model_times(model, true);
+  const double last = times.back().time;
+  return choose_states(model, std::move(times), {last}, "").times;
 }
 
 /// `before`: the row of the coarser division; nullptr: none.
@@ -52,8 +61,7 @@ std::vector<Convergence> converge(const JointModel& model, Settings settings, do
                                   const std::function<void(const Activity&)>& activity, const StopFlag* stop) {
   std::vector<Convergence> result;
   AnalysisOptions options;
-  options.times =
-      settings.skip_steps ? row_states(model, settings, parse_states("all"), "").times : model_times(model, true);
+  options.times = last_state(model, settings);
   options.keep_state.assign(options.times.size(), 0);  // only the last is looked at
   options.keep_state.back() = 1;
   options.activity = activity;
