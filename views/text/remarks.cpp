@@ -408,18 +408,32 @@ bool parted(const Joint& joint, const StateResult& state) {
   return state.equilibrium.outcome == Outcome::Balanced && state.equilibrium.load <= kNothing * stiffest_layer(joint);
 }
 
+/// The largest force that the tables show of a state, of contacts, bodies, ligaments and cables.
+double largest_shown_force(const StateResult& state) {
+  double largest = 0.0;
+  const auto look_at = [&](double force) { largest = std::max(largest, std::abs(force)); };
+  for (const ContactStatistics& contact : state.statistics) look_at(contact.force.norm());
+  for (const Vector6& on_body : state.equilibrium.reaction) look_at(on_body.head<3>().norm());
+  for (const double force : state.equilibrium.ligament_force) look_at(force);
+  for (const double force : state.equilibrium.cable_force) look_at(force);
+  return largest;
+}
+
 /// Loads too small for any joint in all states: 1 kPa over the whole surface of cartilage of 10 MPa. 2.5 for 2500 N are
 /// such.
 void add_tiny_load(const Joint& joint, const SolvedStates& result, Lines& lines) {
   constexpr double kTiny = 1e-4;
-  double load = 0.0;
-  for (const StateResult& state : result.states) load = std::max(load, state.equilibrium.load);
+  double load = 0.0, shown = 0.0;
+  for (const StateResult& state : result.states) {
+    load = std::max(load, state.equilibrium.load);
+    shown = std::max(shown, largest_shown_force(state));
+  }
   const double stiffest = stiffest_layer(joint);
   if (result.states.back().equilibrium.outcome != Outcome::Balanced || !(load < kTiny * stiffest)) return;
   lines.push_back(fmt::format(
       "warning: forces of at most {:.3g} are next to nothing for this cartilage ({:.2g} of its modulus times "
       "its area): is the load in another unit, as kN?",
-      load, load / stiffest));
+      shown > 0 ? shown : load, (shown > 0 ? shown : load) / stiffest));
 }
 
 /// Prescribed motions that bring a body through the other one: its springs see nothing, as if the surfaces were apart.
