@@ -222,6 +222,11 @@ int build(const BuildArguments& a) {
   const HeldOutputs held = claim_outputs(inputs.files, outputs);
   if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, ModelOf::Build));
   Progress progress(progress_style(a.quiet, false));
+  std::vector<std::string> questions;  // told before what may take long
+  if (const std::string odd = modulus_question(inputs.model); !odd.empty()) {
+    questions.push_back(odd);
+    log("warning: " + odd);
+  }
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
   report.findings = read_loads(inputs);
@@ -241,8 +246,10 @@ int build(const BuildArguments& a) {
 
   inputs.model.elements_through = inputs.request.elements_through;
   inputs.model.comment = fmt::format("{} of {} surfaces.", kBuiltMark, inputs.files.size());
-  const std::vector<std::string> questions = load_questions(joint, report);  // before a search that may take long
-  for (const std::string& question : questions) log("warning: " + question);
+  for (const std::string& question : load_questions(joint, report)) {
+    questions.push_back(question);
+    log("warning: " + question);
+  }
   const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), joint, progress);
   if (balances.front().found) inputs.model.seat = balances.front().displacement;
   progress.now("writing " + file_name(a.output), "", "writing " + file_name(a.output));

@@ -521,6 +521,16 @@ def landmarks_in_another_unit_are_refused(folder):
 
 
 @check
+def a_modulus_in_pascals_is_questioned_before_the_work(folder):
+    said = "cartilage: E = 1.2e+07 is 1.2e+07 MPa in the model's units, mm-N-s; cartilage has 0.1 to 100 MPa: check the modulus and the units"
+    done = folder.build(*JOINT, "--E", "12e6", "--json", "j.json", "-q")
+    same([line for line in done.stderr.splitlines() if "modulus" in line], ["warning: " + said], done.stderr)
+    same(done.stderr.splitlines()[0], "warning: " + said, "what is said first")
+    same([w for w in json.loads(folder.read("j.json"))["warnings"] if "modulus" in w], [said], "warnings of JSON")
+    same("modulus" in folder.build(*JOINT, "--E", "12", "-q").stderr, False, "a modulus of cartilage")
+
+
+@check
 def loads_that_no_joint_bears_are_questioned(folder):
     folder.write("walk.csv", "time,fx,fy,fz\n0,0,0,500\n1,0,0,0\n")
     for words, said in (((), ""), (("--load-units", "mN-m"), "ball: found a table whose largest force is 0.5 N on "), (("--body-weight", "80"), "")):

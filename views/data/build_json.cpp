@@ -5,6 +5,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/build_json.h>
+#include <febiodea/views/text/plausibility.h>
 
 namespace dea {
 
@@ -144,8 +145,14 @@ std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildRepo
   return lines;
 }
 
+std::string modulus_question(const BuiltModelSettings& model) {
+  const std::string odd = odd_modulus(model.E, model.units);
+  return odd.empty() ? "" : "cartilage: " + odd;
+}
+
 std::vector<std::string> build_warnings(const BuildSummary& s) {
   std::vector<std::string> lines = s.anatomy.warnings;
+  if (const std::string odd = modulus_question(s.model); !odd.empty()) lines.push_back(odd);
   for (const std::string& question : load_questions(s.joint, s.report)) lines.push_back(question);
   for (const BuildBalance& b : s.balances)
     if (!b.found)

@@ -39,7 +39,10 @@ bool all_balanced(const BuildSummary& summary);
 /// Loads that no joint bears, or that none would feel, a line each: their units are mixed up, or a body weight is in
 /// kg.
 std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report);
-/// What was measured against the axes or the side, loads that no joint bears, loads without a balance; a line each.
+/// A modulus that no cartilage has; empty: it is none.
+std::string modulus_question(const BuiltModelSettings& model);
+/// What was measured against the axes or the side, a modulus that no cartilage has, loads that no joint bears, loads
+/// without a balance; a line each.
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.

@@ -22,13 +22,9 @@ constexpr double kMostThicknessOverRadius = 0.25;  // at a third a ball's force 
 
 /// A modulus, or a size, that no joint has in these units.
 std::string odd_in_units(const std::string& surface, const Layer& layer, double size, const UnitNames& units) {
-  const double megapascals = 1e-6 * units.newtons / (units.metres * units.metres) * layer.elasticity.E,
-               metres = units.metres * size;
-  if (megapascals > kMostModulus || megapascals < kLeastModulus)
-    return fmt::format(
-        "surface \"{}\": E = {:g} is {:.3g} MPa in the model's units, {}; cartilage has 0.1 to 100 MPa: check the "
-        "modulus and the units",
-        surface, layer.elasticity.E, megapascals, units.system);
+  const double metres = units.metres * size;
+  if (const std::string odd = odd_modulus(layer.elasticity.E, units.system); !odd.empty())
+    return fmt::format("surface \"{}\": {}", surface, odd);
   if (metres > kMostSize || metres < kLeastSize)
     return fmt::format("surface \"{}\": its size, {:.3g}, is {:.3g} m in the model's units, {}: check the units",
                        surface, size, metres, units.system);
@@ -61,6 +57,16 @@ std::string thick_on_its_radius(const std::string& surface, const Layer& layer) 
 }
 
 }  // namespace
+
+std::string odd_modulus(double E, const std::string& system) {
+  const UnitNames units = unit_names(system);
+  const double megapascals = 1e-6 * units.newtons / (units.metres * units.metres) * E;
+  const bool odd = units.metres > 0 && (megapascals > kMostModulus || megapascals < kLeastModulus);
+  if (!odd) return "";
+  return fmt::format(
+      "E = {:g} is {:.3g} MPa in the model's units, {}; cartilage has 0.1 to 100 MPa: check the modulus and the units",
+      E, megapascals, units.system);
+}
 
 std::vector<std::string> implausible_numbers(const JointModel& model, const Joint& joint, const Wording& wording) {
   std::vector<std::string> lines;

@@ -8,6 +8,10 @@
 
 namespace dea {
 
+/// "E = 1.2e+07 is ... MPa in the model's units, ...", if no cartilage has such a modulus in a system of units of
+/// FEBio's ("mm-N-s"); else, and where nobody names one: "".
+std::string odd_modulus(double E, const std::string& units);
+
 /// "warning: ..." lines, each once; empty: nothing is odd. Where the model names its system of units (or the user
 /// does), moduli and sizes are judged in it; else by how they go together.
 std::vector<std::string> implausible_numbers(const JointModel& model, const Joint& joint, const Wording& wording);
