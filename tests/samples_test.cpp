@@ -684,6 +684,22 @@ TEST(SamplesHip, ConvergeSolvesTheWayToTheLastStateAlone) {
   }
 }
 
+// A search in several pieces: the message counts what the number of iterations counts.
+TEST(SamplesHip, AFailedSearchCountsAllItsIterations) {
+  const JointModel& model = sample("hip/hip_walking.feb");
+  Settings settings;
+  settings.E[""] = 11.85e6;
+  AnalysisOptions options;
+  options.times = place_times(model, {0, 1, 2});
+  const Analysis analysis = analyse(model, settings, options);
+  const Equilibrium& e = analysis.states.back().equilibrium;
+  ASSERT_EQ(e.outcome, Outcome::NotConverged);
+  const std::string counts = fmt::format("; {} iterations, ", e.iterations);
+  EXPECT_NE(e.message.find(counts), std::string::npos) << e.message << "\n" << counts;
+  const Equilibrium& good = analyse(model, {}, options).states.back().equilibrium;
+  EXPECT_NE(good.message.find(fmt::format(" in {} iterations", good.iterations)), std::string::npos) << good.message;
+}
+
 TEST(SamplesHip, Program) {
   const Json j = run_sample("hip/hip_walking.feb", {"--states", "last"});
   expect_same(j["states"].back(), last_state(sample("hip/hip_walking.feb"), {}));

@@ -75,12 +75,14 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
   if (const int beyond = beyond_limit(failed.at); beyond > 0) {
     failed.outcome = Outcome::BeyondStrainLimit;
     failed.advice = {};
+    failed.counted = false;
     failed.message = fmt::format(
         "no balance: {:.3g}% of the load is not carried when {} springs are strained beyond {}: the layers are too "
         "thin or too soft for it",
         100.0 * unbalanced, beyond, kStrainLimit);
   } else if (const auto soft = soft_motion(problem, failed.at, scaled_residual(problem, failed.at))) {
     failed.outcome = Outcome::NoEquilibrium;
+    failed.counted = false;
     failed.message = says_nothing_resists(problem, started, failed.at, *soft, unbalanced);
     failed.advice = against_free_motion();
   }
@@ -99,9 +101,7 @@ std::optional<Solution> followed(Problem& problem, const std::vector<Pose>& pose
   return found;
 }
 
-}  // namespace
-
-Solution search_from(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
+Solution searched_from(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
   problem.tolerance = tolerance_after(1.0);
   Evaluation e = evaluate(problem, start);
   if (too_deep_area(problem, e) > 0) {
@@ -128,6 +128,7 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   if (const std::optional<double> at_start = opens(problem, from)) {
     if (const std::optional<double> at_end = opens(problem, direct.at)) {
       direct.outcome = Outcome::SurfacesApart;
+      direct.counted = false;
       direct.advice = opposite_load_presses(problem, from) ? Sentence(sign) : Sentence();
       direct.message = fmt::format(
           "the load moves the surfaces apart: pressures on them, however spread, leave {:.3g}% of it unbalanced",
@@ -145,6 +146,17 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   direct.iterations = iterations;
   explain(problem, poses, direct);
   return direct;
+}
+
+}  // namespace
+
+Solution search_from(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
+  Solution found = searched_from(problem, start, options);
+  if (found.counted)
+    found.message += found.outcome == Outcome::Balanced
+                         ? fmt::format(" in {} iterations", found.iterations)
+                         : fmt::format("; {} iterations, {} poses tried", found.iterations, problem.casts);
+  return found;
 }
 
 }  // namespace dea

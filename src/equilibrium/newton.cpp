@@ -129,9 +129,14 @@ bool balanced(Search& s) {
     return true;
   }
   s.solution.outcome = Outcome::Balanced;
-  s.solution.message =
-      fmt::format("balanced to {:.1e} of the load in {} iterations", s.solution.history.back(), s.solution.iterations);
+  s.solution.message = fmt::format("balanced to {:.1e} of the load", s.solution.history.back());
+  s.solution.counted = true;
   return true;
+}
+
+void say_unbalanced(Search& s, const std::string& why_it_ends) {
+  s.solution.message = fmt::format("unbalanced force is {:.2e} of the load{}", s.size / s.e.load, why_it_ends);
+  s.solution.counted = true;
 }
 
 /// No nearer to balance for long, or so far from where it began that balance will not be near.
@@ -150,9 +155,7 @@ bool out_of_patience(Search& s) {
                                               soft ? *soft : VectorXd(s.d.newton + s.d.drift), s.size / s.e.load);
     s.solution.advice = against_free_motion();
   } else {
-    s.solution.message =
-        fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
-                    s.size / s.e.load, s.solution.iterations, s.problem.casts);
+    say_unbalanced(s, ", and falls no more");
   }
   return true;
 }
@@ -166,9 +169,7 @@ bool gives_up(Search& s) {
   if (s.patient.loose() && s.patient.left < -0.5 * s.patient.most && to_one_spring(s.e, s.size, s.solution))
     return true;
   if (s.solution.iterations < s.options.max_iterations && s.problem.casts < s.options.max_casts) return false;
-  if (!to_one_spring(s.e, s.size, s.solution))
-    s.solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried",
-                                     s.size / s.e.load, s.solution.iterations, s.problem.casts);
+  if (!to_one_spring(s.e, s.size, s.solution)) say_unbalanced(s, "");
   return true;
 }
 
@@ -353,9 +354,8 @@ bool go_on(Search& s) {
     return true;
   }
   if (!to_one_spring(s.e, s.size, s.solution))
-    s.solution.message = fmt::format(
-        "unbalanced force is {:.2e} of the load after {} iterations and no step lowers it{}", s.size / s.e.load,
-        s.solution.iterations, s.problem.undefined.empty() ? "" : "; steps were refused: " + s.problem.undefined);
+    say_unbalanced(s, ", and no step lowers it" +
+                          (s.problem.undefined.empty() ? "" : "; steps were refused: " + s.problem.undefined));
   return false;
 }
 

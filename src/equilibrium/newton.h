@@ -13,7 +13,8 @@ namespace dea {
 struct Solution {
   Outcome outcome = Outcome::NotConverged;
   std::string message;
-  Sentence advice;  ///< what to do about it; may be empty
+  bool counted = false;  ///< the message is to end with how long the whole search was, of which this may be a part
+  Sentence advice;       ///< what to do about it; may be empty
   Evaluation at;
   Directions directions;        ///< there
   std::vector<double> history;  ///< scaled residual / load at each iterate
