@@ -379,7 +379,8 @@ void bind_nodes(py::module_& m) {
           "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.")
       .def_property_readonly(
           "area", [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); },
-          "(nodes,) a third of each triangle around it, reference.")
+          "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
+          "quadrilateral (docs/theory.md, 6.1).")
       .def_property_readonly(
           "pressure", [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); },
           "(nodes,) area-weighted mean of the facets around.")

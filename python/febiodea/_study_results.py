@@ -255,12 +255,12 @@ class StudyResults:
 
     def groups(self, column, number="p99", place=None, state="largest"):
         """Values of a column ("model", a factor or one of the subjects) as groups: "levels", "boxes" (as statistics.box_plot), "differences" of
-        each level but the first from the first (as statistics.difference)."""
+        each level but the first from the first, that level less the first (as statistics.difference)."""
         numbers, which = self._which(number, place, state)
         return numbers.groups(column, which)
 
     def pairs(self, column, number="p99", place=None, state="largest", *, by=None):
-        """Cases that differ in one column alone, "COLUMN" of two values or "COLUMN=A,B": as statistics.pairs, with "levels"
+        """Cases that differ in one column alone, "COLUMN" of two values or "COLUMN=A,B": as statistics.pairs, A less B, with "levels"
         and how many cases are "alone". by: of the subjects' columns partners share this one, None: all others."""
         numbers, which = self._which(number, place, state)
         return numbers.pairs(column, by or "", which)

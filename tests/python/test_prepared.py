@@ -111,17 +111,8 @@ def test_press_does_not_care_where_the_joint_is(joint):
     np.testing.assert_allclose(there.springs.pressure, here.springs.pressure, atol=1e-6)
 
 
-# Law linear: the error of central differences falls with the square of the step, that of springs which come and go at the
-# edge of contact with the step. Law layer: what of the target each foot covers is held in the derivative
-# (docs/layer_law.md), which costs less than a hundredth.
-@pytest.mark.parametrize("law, tolerance", [("linear", 1e-5), ("layer", 1e-2)])
-def test_the_derivative_is_that_of_differences(hip, law, tolerance):
-    joint = febiodea.prepare(febiodea.recognise(hip.model, law=law))
-    state = joint.solve()
-    femur = state.poses["femur"]  # its centre of mass is the origin of the file
-    target = state.contact().target.body
-    assert target == "femur"
-    exact = joint.press(state).contact().derivative
+def derivative_by_differences(joint, femur):
+    """Central differences of force and moment on the femur, whose centre of mass is the origin of the file."""
     step = 1e-4
     found = np.empty((6, 6))
     for k in range(6):
@@ -133,12 +124,39 @@ def test_the_derivative_is_that_of_differences(hip, law, tolerance):
             pressed = joint.press({"femur": motion @ femur}).contact()
             wrench.append(np.concatenate([pressed.force, pressed.moment]))
         found[:, k] = (wrench[0] - wrench[1]) / (2 * (step if k < 3 else step / 25))
+    return found
+
+
+# Law linear: the error of central differences falls with the square of the step, that of springs which come and go at the
+# edge of contact with the step. Law layer: what of the target each foot covers is held in the derivative
+# (docs/layer_law.md), which costs less than a hundredth.
+@pytest.mark.parametrize("law, tolerance", [("linear", 1e-5), ("layer", 1e-2)])
+def test_the_derivative_is_that_of_differences(hip, law, tolerance):
+    joint = febiodea.prepare(febiodea.recognise(hip.model, law=law))
+    state = joint.solve()
+    femur = state.poses["femur"]  # its centre of mass is the origin of the file
+    target = state.contact().target.body
+    assert target == "femur"
+    exact = joint.press(state).contact().derivative
+    found = derivative_by_differences(joint, femur)
     length = np.array([1, 1, 1, 25, 25, 25])
     scale = np.abs(exact / np.outer(length, length)).max()
     assert np.abs((found - exact) / np.outer(length, length)).max() < tolerance * scale
     pressed = joint.press(state).contact()
     np.testing.assert_array_equal(pressed.stiffness, -pressed.derivative)
     assert np.linalg.eigvalsh((pressed.stiffness + pressed.stiffness.T)[:3, :3]).min() > 0
+
+
+# docs/python.md: how far off each block is that takes what lies under a spring as fixed, of its norm
+@pytest.mark.parametrize("refine, most", [(1, [0.004, 0.012, 0.004, 0.042]), (2, [0.004, 0.008, 0.005, 0.019])])
+def test_stiffness_is_as_far_off_as_is_said(hip, refine, most):
+    joint = febiodea.prepare(febiodea.recognise(hip.model, refine=refine))
+    state = joint.solve()
+    found = -derivative_by_differences(joint, state.poses["femur"])
+    stiffness = joint.press(state).contact().stiffness
+    blocks = [(rows, columns) for rows in (slice(0, 3), slice(3, 6)) for columns in (slice(0, 3), slice(3, 6))]
+    off = [np.linalg.norm(stiffness[b] - found[b]) / np.linalg.norm(found[b]) for b in blocks]
+    assert np.all(np.array(off) < most), off
 
 
 @pytest.mark.parametrize("pose, found", [
