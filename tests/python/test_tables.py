@@ -47,6 +47,12 @@ def test_loads_in_memory_are_those_of_a_file(hip, tmp_path):
     assert recognition.settings["loads"] == "table of loads"
 
 
+def test_what_was_recognised_is_of_the_rows(hip):
+    recognition = febiodea.recognise(hip.model, loads=LOADS, load_body="femur")
+    assert recognition.info()["times"] == LOADS["time"]
+    assert "femur: x free, y free, z free, Ru held, Rv held, Rw held; the load of the table of loads\n" in str(recognition)
+
+
 def test_motion_and_thickness_in_memory_are_those_of_files(hip, tmp_path):
     nodes = febiodea.analyse(hip, [0]).states[0].contact().nodes
     thickness = {"node": hip.model.node_ids[nodes.index].tolist(), "thickness": [1.5] * len(nodes)}

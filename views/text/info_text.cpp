@@ -177,7 +177,10 @@ std::string conditions_text_with(const BodyConditions& c, int by_table, const st
 std::string conditions_text(const BodyConditions& c) { return conditions_text_with(c, 0, ""); }
 
 std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body) {
-  const auto table = [](const std::string& file) { return file.empty() ? "a table" : "the table " + file; };
+  const auto table = [](const std::string& file) {
+    if (file.starts_with("table of ")) return "the " + file;  // of a caller that has no file, as Python
+    return file.empty() ? "a table" : "the table " + file;
+  };
   const auto is_of = [&](const std::string& name) {
     return !name.empty() && check.joint.find_body(model, name) == body;
   };
