@@ -245,6 +245,11 @@ void convert_materials(const std::vector<int>& rigid_material, ConversionPlan& p
       material.rigid = true;
       material.type = "rigid body";
       material.E = material.nu = std::nan("");
+      if (std::isnan(material.density)) {
+        material.density = 1.0;
+        plan.changes.push_back(
+            fmt::format("material \"{}\": a density that is not one number becomes 1", material.name));
+      }
     }
     const Vector3d& c = body.center_of_mass;
     if (material.center_of_mass && *material.center_of_mass == c) continue;

@@ -173,19 +173,27 @@ void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
                     nodes.mover->name, time_text(now.time), b.name));
 }
 
-/// Nodes of the elements that the user takes as rigid, per node.
+/// Per node: is it of elements that the user takes as rigid, and not of a rigid body of the model, whose fixed nodes
+/// FEBio passes over?
 std::vector<char> nodes_of_bone(const Instant& now, int body) {
   std::vector<char> bone(now.model.nodes.size(), 0);
   for (const Domain& d : now.model.domains) {
     if (d.material < 0 || now.joint.body_of(d.material) != body || now.model.materials[at(d.material)].rigid) continue;
     for (const int node : d.nodes) bone[at(node)] = 1;
   }
+  for (const Domain& d : now.model.domains)
+    if (d.material >= 0 && now.model.materials[at(d.material)].rigid)
+      for (const int node : d.nodes) bone[at(node)] = 0;
+  for (const RigidNodes& set : now.model.rigid_nodes)
+    for (const int node : set.nodes) bone[at(node)] = 0;
   return bone;
 }
 
 /// Refuses fixed nodes that leave a bone a hinge, a pin or a guided end: they couple dofs, of which DEA would free all.
 void refuse_coupled_holds(const Instant& now, int body, const BodyConditions& conditions) {
   const Body& b = now.joint.bodies[at(body)];
+  const auto is_free = [](DofState dof) { return dof == DofState::Free; };
+  if (std::none_of(conditions.dofs.begin(), conditions.dofs.end(), is_free) || now.model.fixed_nodes.empty()) return;
   const std::vector<char> bone = nodes_of_bone(now, body);
   for (const FixedNodes& f : now.model.fixed_nodes) {
     if (!now.acts(f.step)) continue;
@@ -197,8 +205,8 @@ void refuse_coupled_holds(const Instant& now, int body, const BodyConditions& co
         Vector6 row;
         row << Vector3d::Unit(k), arm.cross(Vector3d::Unit(k));
         for (int dof = 0; dof < kDofs; ++dof) {
-          const double scale = dof < 3 ? 1.0 : arm.norm();
-          if (conditions.dofs[at(dof)] != DofState::Free || !(std::abs(row[dof]) > 1e-6 * scale)) continue;
+          const double least = 1e-3 * (dof < 3 ? 1.0 : arm.norm());  // as little as hold_by_nodes takes for held
+          if (!is_free(conditions.dofs[at(dof)]) || !(std::abs(row[dof]) > least)) continue;
           throw fault_at(
               now.model, f.origin,
               say("fixed nodes \"{}\" leave bone \"{}\", which is taken as rigid, motions at time {} that are no "
@@ -303,10 +311,13 @@ void set_motions(const Instant& now, LoadCase& c) {
     body.relative[at(p.dof)] = p.relative && p.step >= 0;
   }
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    const bool named = std::any_of(now.settings.free.begin(), now.settings.free.end(), [&](const auto& entry) {
-      return joint.find_body(now.model, entry.first) == static_cast<int>(b);
-    });
-    if (!named && taken_as_rigid(now, static_cast<int>(b))) refuse_coupled_holds(now, static_cast<int>(b), c.bodies[b]);
+    const auto is_b = [&](const std::string& name) {
+      return !name.empty() && joint.find_body(now.model, name) == static_cast<int>(b);
+    };
+    const bool told =
+        std::any_of(now.settings.free.begin(), now.settings.free.end(), [&](const auto& e) { return is_b(e.first); }) ||
+        is_b(now.settings.motion.body);
+    if (!told && taken_as_rigid(now, static_cast<int>(b))) refuse_coupled_holds(now, static_cast<int>(b), c.bodies[b]);
   }
 }
 

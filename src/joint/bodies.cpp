@@ -56,16 +56,24 @@ std::vector<int> first_materials(const JointModel& model, const std::vector<char
   return first;
 }
 
-/// Masses and centres of mass. Of a body that the model has rigid, what the user takes as rigid is no part of either:
-/// FEBio turns it about the centre of what is rigid there.
+/// Masses and centres of mass. Densities of a body of which one is no number count as 1, all of them. Of a body that
+/// the model has rigid, what the user takes as rigid is no part of either: FEBio turns it about the centre of what is
+/// rigid there.
 void find_masses(const JointModel& model, const std::vector<char>& rigid, Bodies& result) {
   std::vector<Vector3d> moments(result.bodies.size(), Vector3d::Zero());
+  const auto is_nan = [&](int m) {
+    return !model.materials[at(m)].rigid && std::isnan(model.materials[at(m)].density);
+  };
+  std::vector<char> even;  // per body: one density everywhere
+  for (const Body& body : result.bodies)
+    even.push_back(std::any_of(body.materials.begin(), body.materials.end(), is_nan) ? 1 : 0);
   for (const Domain& domain : model.domains) {
     if (domain.material < 0 || !rigid[at(domain.material)]) continue;
     const Material& material = model.materials[at(domain.material)];
     const int b = result.of_material[at(domain.material)];
-    if (!material.rigid && rigid_in_model(model, result.bodies[at(b)]) >= 0) continue;
-    const double density = std::isnan(material.density) ? 1.0 : material.density;
+    const bool in_model = rigid_in_model(model, result.bodies[at(b)]) >= 0;
+    if (!material.rigid && in_model) continue;
+    const double density = even[at(b)] && !in_model ? 1.0 : material.density;
     const int elements = static_cast<int>(domain.element_ids.size());
     for (int e = 0; e < elements; ++e) {
       if (is_shell(domain.shape)) {

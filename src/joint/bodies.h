@@ -28,7 +28,7 @@ struct Body {
 /// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
 /// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: twice area
 /// times thickness, as FEBio counts them; a body without any mass has it at the origin, as in FEBio). Where the model
-/// has some of a body's materials rigid, they alone count; a density that is not one number counts as 1.
+/// has some of a body's materials rigid, they alone count; where a density is not one number, all of the body's are 1.
 struct Bodies {
   std::vector<Body> bodies;      ///< the last one is the ground
   std::vector<int> of_material;  ///< per material: body, -1: not rigid

@@ -60,10 +60,17 @@ std::vector<Sentence> liberties(const JointModel& model, const Settings& setting
   return findings;
 }
 
-/// Centres of mass that FEBio leaves out: of another material of a body than its first.
-std::vector<Sentence> unused_centers(const JointModel& model, const Bodies& bodies) {
+/// The bodies that FEBio would have.
+Bodies bodies_of_model(const JointModel& model) {
+  std::vector<char> rigid;
+  for (const Material& m : model.materials) rigid.push_back(m.rigid ? 1 : 0);
+  return find_bodies(model, rigid);
+}
+
+/// Centres of mass that FEBio leaves out: of another material of a body than its first. `own`: its bodies.
+std::vector<Sentence> unused_centers(const JointModel& model, const Bodies& own) {
   std::vector<Sentence> findings;
-  for (const Body& body : bodies.bodies)
+  for (const Body& body : own.bodies)
     for (const int m : body.materials)
       if (const auto& given = model.materials[at(m)].center_of_mass; given && *given != body.center_of_mass)
         findings.push_back(say(
@@ -81,16 +88,33 @@ std::vector<Sentence> chosen_centers(const JointModel& model, const Bodies& bodi
     const int counts = rigid_in_model(model, body);
     for (const int m : body.materials) {
       const Material& material = model.materials[at(m)];
-      if (material.rigid) continue;
-      if (counts >= 0)
-        findings.push_back(say("material \"{}\" is one body with \"{}\", whose centre of mass counts, as in FEBio",
-                               material.name, model.materials[at(counts)].name));
-      else if (std::isnan(material.density))
-        findings.push_back(
-            say("material \"{}\" has a density that is not one number: the centre of mass of \"{}\" is "
-                "taken as if it were 1 everywhere",
-                material.name, body.name));
+      if (counts >= 0 && !material.rigid)
+        findings.push_back(say("material \"{}\" is one body with \"{}\", whose centre of mass counts", material.name,
+                               model.materials[at(counts)].name));
+      else if (counts < 0 && std::isnan(material.density))
+        findings.push_back(say(
+            "material \"{}\" has a density that is not one number: the centre of mass of body \"{}\" is taken as if "
+            "its density were the same everywhere",
+            material.name, body.name));
     }
+  }
+  return findings;
+}
+
+/// Rigid bodies of the model (`own`) that what the user takes as rigid makes one of: FEBio has several, each with its
+/// centre.
+std::vector<Sentence> joined_bodies(const JointModel& model, const Bodies& bodies, const Bodies& own) {
+  std::vector<Sentence> findings;
+  for (const Body& body : bodies.bodies) {
+    const int counts = rigid_in_model(model, body);
+    for (const int m : body.materials)
+      if (m != counts && own.of_material[at(m)] >= 0 && own.bodies[at(own.of_material[at(m)])].materials.front() == m &&
+          own.of_material[at(m)] != own.of_material[at(counts)])
+        findings.push_back(
+            say("rigid bodies \"{}\" and \"{}\" of the model are one body through what is taken as rigid between them: "
+                "loads and motions of \"{}\" count at the centre of mass of \"{}\", where FEBio has two",
+                model.materials[at(counts)].name, model.materials[at(m)].name, model.materials[at(m)].name,
+                model.materials[at(counts)].name));
   }
   return findings;
 }
@@ -201,8 +225,10 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.bodies = parts.bodies.bodies;
   joint.findings = parts.findings;
   append(joint.findings, liberties(model, settings));
-  append(joint.findings, unused_centers(model, parts.bodies));
+  const Bodies own = settings.rigid.empty() ? parts.bodies : bodies_of_model(model);
+  append(joint.findings, unused_centers(model, own));
   append(joint.findings, chosen_centers(model, parts.bodies));
+  append(joint.findings, joined_bodies(model, parts.bodies, own));
   append(joint.findings, given_values_in_words(parts));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);

@@ -1,7 +1,9 @@
 #include <febiodea/joint/separate_pieces.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <set>
 
 #include <febiodea/base/decompositions.h>
 #include <febiodea/base/disjoint_sets.h>
@@ -15,9 +17,14 @@ namespace {
 /// Elements of rigid materials that nodes, rigid bodies of the model or ties join.
 struct Piece {
   int elements = 0;
-  Vector3d at_node = Vector3d::Zero();    ///< one of its nodes, for words
-  bool matters = false;                   ///< the rest of the model has to do with it
-  std::vector<std::pair<int, int>> held;  ///< nodes fixed in all steps, and their component
+  Vector3d at_node = Vector3d::Zero();  ///< one of its nodes, for words
+  bool matters = false;                 ///< the rest of the model has to do with it
+  int taken = -1;                       ///< a material of it that the user takes as rigid, -1: none
+  std::vector<int> in_model;            ///< materials of it that the model has rigid
+  struct Hold {
+    int node, component, step;
+  };
+  std::vector<Hold> holds;  ///< its nodes that are fixed or prescribed
 };
 
 /// Sets of nodes, and of materials behind them. Those of a material that is rigid in the model are one.
@@ -35,15 +42,13 @@ DisjointSets joined_nodes(const ModelParts& parts) {
   for (const RigidNodes& set : model.rigid_nodes)
     for (const int node : set.nodes)
       if (parts.bodies.of_node[at(node)] >= 0) sets.join(node, nodes + set.material);
-  for (const Contact& c : model.contacts) {
-    if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
-    int first = -1;
-    for (const int surface : {c.primary, c.secondary})
-      for (const int node : model.surfaces[at(surface)].nodes) {
-        if (parts.bodies.of_node[at(node)] < 0) continue;
-        if (first >= 0) sets.join(first, node);
-        first = node;
-      }
+  for (const Contact& c : model.contacts) {  // a tie of one bone to one other
+    if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0 || c.step >= 0) continue;
+    std::set<int> roots[2];
+    for (int side = 0; side < 2; ++side)
+      for (const int node : model.surfaces[at(side == 0 ? c.primary : c.secondary)].nodes)
+        if (parts.bodies.of_node[at(node)] >= 0) roots[side].insert(sets.root(node));
+    if (roots[0].size() == 1 && roots[1].size() == 1) sets.join(*roots[0].begin(), *roots[1].begin());
   }
   return sets;
 }
@@ -69,20 +74,40 @@ std::vector<char> nodes_that_matter(const ModelParts& parts) {
   return matters;
 }
 
-/// Do its fixed nodes leave it no motion?
-bool is_held(const JointModel& model, const Piece& piece) {
+/// Do its nodes, or the rigid body that it hangs on, leave it no motion of its own in this step?
+bool is_held(const JointModel& model, const Piece& piece, int step) {
+  const auto acts = [&](int of) { return of < 0 || of == step; };
+  std::array<bool, kDofs> dofs = {};
+  const auto ours = [&](int material) {
+    return std::find(piece.in_model.begin(), piece.in_model.end(), material) != piece.in_model.end();
+  };
+  for (const RigidFixed& f : model.rigid_fixed)
+    for (std::size_t k = 0; k < kDofs; ++k) dofs[k] = dofs[k] || (f.dofs[k] && acts(f.step) && ours(f.material));
+  for (const RigidPrescribed& p : model.rigid_prescribed)
+    if (acts(p.step) && ours(p.material)) dofs[at(p.dof)] = true;
+  if (std::all_of(dofs.begin(), dofs.end(), [](bool held) { return held; })) return true;
   Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
   double length = 0.0;
-  for (const auto& [node, component] : piece.held)
-    length = std::max(length, (model.nodes[at(node)] - piece.at_node).norm());
-  for (const auto& [node, component] : piece.held) {
-    const Vector3d arm = (model.nodes[at(node)] - piece.at_node) / (length > 0 ? length : 1.0);
+  for (const Piece::Hold& h : piece.holds) length = std::max(length, (model.nodes[at(h.node)] - piece.at_node).norm());
+  for (const Piece::Hold& h : piece.holds) {
+    if (!acts(h.step)) continue;
+    const Vector3d arm = (model.nodes[at(h.node)] - piece.at_node) / (length > 0 ? length : 1.0);
     Eigen::Matrix<double, 6, 1> row;
-    row << Vector3d::Unit(component), arm.cross(Vector3d::Unit(component));
+    row << Vector3d::Unit(h.component), arm.cross(Vector3d::Unit(h.component));
     gram += row * row.transpose();
   }
   const Eigenvalues eigen = symmetric_eigen(gram);
   return eigen.values[0] > 1e-8 * eigen.values[5];
+}
+
+/// Do the settings say of the whole body how it moves?
+bool is_told(const ModelParts& parts, int body) {
+  const auto names = [&](const std::string& name) {
+    return !name.empty() && body_by_name(parts.model, parts.bodies.bodies, name) == body;
+  };
+  for (const auto& [name, dofs] : parts.settings.free)
+    if (names(name) && std::none_of(dofs.begin(), dofs.end(), [](bool free) { return free; })) return true;
+  return parts.settings.motion.turns && names(parts.settings.motion.body);
 }
 
 }  // namespace
@@ -102,38 +127,53 @@ std::vector<Fault> separate_pieces(const ModelParts& parts) {
       const int* nodes = d.nodes.data() + e * at(n);
       Piece& piece = pieces[at(parts.bodies.of_material[at(d.material)])][sets.root(nodes[0])];
       if (piece.elements++ == 0) piece.at_node = model.nodes[at(nodes[0])];
+      if (by_user(d.material))
+        piece.taken = d.material;
+      else if (piece.in_model.empty() || piece.in_model.back() != d.material)
+        piece.in_model.push_back(d.material);
       piece.matters = piece.matters || std::any_of(nodes, nodes + n, [&](int node) { return matters[at(node)] != 0; });
     }
   }
-  for (const FixedNodes& f : model.fixed_nodes)
-    for (const int node : f.nodes) {
+  const auto add_holds = [&](const std::vector<int>& nodes, int component, int step) {
+    for (const int node : nodes) {
       const int body = parts.bodies.of_node[at(node)];
-      if (body < 0 || f.step >= 0) continue;
+      if (body < 0) continue;
       const auto piece = pieces[at(body)].find(sets.root(node));
-      for (int k = 0; k < 3 && piece != pieces[at(body)].end(); ++k)
-        if (f.xyz[at(k)]) piece->second.held.emplace_back(node, k);
+      if (piece != pieces[at(body)].end()) piece->second.holds.push_back({node, component, step});
     }
+  };
+  for (const FixedNodes& f : model.fixed_nodes)
+    for (int k = 0; k < 3; ++k)
+      if (f.xyz[at(k)]) add_holds(f.nodes, k, f.step);
+  for (const PrescribedNodes& p : model.prescribed_nodes) add_holds(p.nodes, p.component, p.step);
+  const auto stays = [&](const Piece& piece) {
+    for (int step = 0; step < static_cast<int>(model.steps.size()); ++step)
+      if (!is_held(model, piece, step)) return false;
+    return true;
+  };
   for (std::size_t b = 0; b < pieces.size(); ++b) {
-    const std::vector<int>& materials = parts.bodies.bodies[b].materials;
-    const auto taken = std::find_if(materials.begin(), materials.end(), by_user);
-    if (taken == materials.end()) continue;
     std::vector<const Piece*> apart;
-    for (const auto& entry : pieces[b])
-      if (entry.second.matters) apart.push_back(&entry.second);
-    if (apart.size() < 2 ||
-        std::all_of(apart.begin(), apart.end(), [&](const Piece* piece) { return is_held(model, *piece); }))
+    int taken = -1;
+    for (const auto& entry : pieces[b]) {
+      if (!entry.second.matters) continue;
+      apart.push_back(&entry.second);
+      if (entry.second.taken >= 0) taken = entry.second.taken;
+    }
+    if (apart.size() < 2 || taken < 0 || is_told(parts, static_cast<int>(b)) ||
+        std::all_of(apart.begin(), apart.end(), [&](const Piece* piece) { return stays(*piece); }))
       continue;
     std::string list;
     for (std::size_t i = 0; i < std::min<std::size_t>(apart.size(), 3); ++i)
       list += fmt::format("{}{} elements at {:.4g},{:.4g},{:.4g}", i > 0 ? ", " : "", apart[i]->elements,
                           apart[i]->at_node[0], apart[i]->at_node[1], apart[i]->at_node[2]);
     if (apart.size() > 3) list += ", ...";
-    const Material& material = model.materials[at(*taken)];
-    faults.push_back(make_fault(model, material.origin,
-                                say("material \"{}\" is taken as rigid ({}), and is {} pieces that nothing joins ({}): "
-                                    "one body of them would move them together, where FEBio moves each by itself;",
-                                    material.name, NamedSetting{"rigid"}, apart.size(), list),
-                                "give each piece a material of its own"));
+    const Material& material = model.materials[at(taken)];
+    faults.push_back(make_fault(
+        model, material.origin,
+        say("material \"{}\" is taken as rigid ({}), and its body is {} pieces that nothing rigid joins ({}): one body "
+            "of them would move them together, where FEBio moves each by itself;",
+            material.name, NamedSetting{"rigid"}, apart.size(), list),
+        "give each piece a material of its own, or take what joins them as rigid too"));
   }
   return faults;
 }

@@ -9,7 +9,7 @@ namespace dea {
 
 /// A fault for each body that the user takes as rigid and that is several bones in the model: pieces without a common
 /// node, of which more than one has something to do with the rest (cartilage, a contact, a load, a spring, a hold), and
-/// which fixed nodes do not keep where they are, all of them. FEBio moves each by itself.
+/// are not all held or moved in every step by their nodes or by a rigid body of the model. FEBio moves each by itself.
 std::vector<Fault> separate_pieces(const ModelParts& parts);
 
 }  // namespace dea

@@ -76,7 +76,7 @@ class Cli : public ::testing::Test {
   }
 
   /// Sends a signal to the program as soon as it says `word` on standard error. `seconds`: from then to its end, of
-  /// each processor's time, since others may keep the machine busy, or a tenth of the clock's.
+  /// processor time, since others may keep the machine busy (so it is to have one thread), or a tenth of the clock's.
   Finished interrupted(const std::vector<std::string>& arguments, const std::string& word, int signal,
                        double& seconds) {
     const fs::path out = folder.string() + ".out", err = folder.string() + ".err";
@@ -90,7 +90,7 @@ class Cli : public ::testing::Test {
     ::kill(child, signal);
     const auto asked = now();
     const Finished f = end_of(child, out, err);
-    seconds = std::max((test::processor_seconds_of_ended() - before - worked) / std::thread::hardware_concurrency(),
+    seconds = std::max(test::processor_seconds_of_ended() - before - worked,
                        std::chrono::duration<double>(now() - asked).count() / 10);
     return f;
   }
@@ -1196,8 +1196,8 @@ TEST_F(Cli, CtrlCEndsASearch) {
   const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     double seconds = 0.0;
-    const Finished f = interrupted({"run", hip, "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt", "--json",
-                                    "hip.json", "--vtu", "paraview"},
+    const Finished f = interrupted({"run", hip, "--law", "layer", "--refine", "4", "--threads", "1", "-v", "-o",
+                                    "hip.xplt", "--json", "hip.json", "--vtu", "paraview"},
                                    "state 2 of", signal, seconds);
     EXPECT_EQ(f.code, 128 + signal) << f.err;
     EXPECT_LT(seconds, 2.0);
@@ -1211,9 +1211,9 @@ TEST_F(Cli, CtrlCEndsASearch) {
 
 TEST_F(Cli, CtrlCBeforeTheSearchEndsAtOnce) {
   double seconds = 0.0;
-  const Finished f = interrupted(
-      {"run", DEA_SAMPLES_DIR "/hip/hip_walking.feb", "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt"},
-      "springs and layers", SIGINT, seconds);
+  const Finished f = interrupted({"run", DEA_SAMPLES_DIR "/hip/hip_walking.feb", "--law", "layer", "--refine", "4",
+                                  "--threads", "1", "-v", "-o", "hip.xplt"},
+                                 "springs and layers", SIGINT, seconds);
   EXPECT_EQ(f.code, 130) << f.err;
   EXPECT_LT(seconds, 2.0);
   EXPECT_NE(f.err.find("\ndea: stopped"), std::string::npos) << f.err;

@@ -93,6 +93,8 @@ def test_one_prepared_joint_for_several_threads(small):
 
 
 HIP = """
+import os
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # one thread: processor time is the time that it takes
 import febiodea, sys, time
 recognition = febiodea.recognise(sys.argv[1], refine=4)
 def tell(p):
@@ -121,7 +123,7 @@ def processor_time_of_ended():
 
 def interrupt(path, stage, then):
     """Seconds from the signal, to a process that is at `stage`, to its KeyboardInterrupt and to its end; its exit code and
-    last words. The seconds are each processor's time, since others may keep the machine busy, or a tenth of the clock's."""
+    last words. The seconds are processor time, since others may keep the machine busy, or a tenth of the clock's."""
     before = processor_time_of_ended()
     process = subprocess.Popen([sys.executable, "-c", HIP, path, then], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                text=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
@@ -133,7 +135,7 @@ def interrupt(path, stage, then):
     process.send_signal(signal.SIGINT)
 
     def since(processor):
-        return max((processor - worked) / os.cpu_count(), (time.monotonic() - start) / 10)
+        return max(processor - worked, (time.monotonic() - start) / 10)
 
     raised = None
     for line in process.stdout:

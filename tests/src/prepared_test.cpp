@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -220,14 +221,17 @@ TEST(Stop, EndsWithinAContact) {
   const double begun = now();
   press(joint, poses, options);
   const double whole = now() - begun;
+  const double again = now();
   double asked = 0.0;
+  std::atomic<bool> over = false;
   std::thread other([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!over && now() - again < 0.1 * whole) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     asked = now();
     stop = true;
   });
   EXPECT_THROW(press(joint, poses, options), Stopped);
   const double ended = now();
+  over = true;
   other.join();
   EXPECT_LT(ended - asked, 0.25 * whole);
   stop = true;  // asked for before

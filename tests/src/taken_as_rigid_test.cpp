@@ -62,6 +62,13 @@ std::string refusal(const JointModel& model, const Settings& settings) {
   return "";
 }
 
+/// Is a sentence with these words among what is told of the joint?
+bool finds(const JointModel& model, const std::string& words) {
+  const Joint found = make_joint(model, plate_as_rigid());
+  return std::any_of(found.findings.begin(), found.findings.end(),
+                     [&](const Sentence& s) { return s.text.find(words) != std::string::npos; });
+}
+
 // A hinge along an edge takes half of the load: a plate that only sinks would press with all of it.
 TEST(TakenAsRigid, HingesPinsAndGuidedEndsAreRefused) {
   const auto edge = [](const Vector3d& x) { return x.x() < -4.9; };
@@ -102,10 +109,42 @@ TEST(TakenAsRigid, SeparateBonesOfOneMaterialAreRefused) {
   EXPECT_EQ(refusal(idle, plate_as_rigid()), "");
   JointModel model = with_another();
   fix_nodes(model, "far", nodes_of(model, kPlate, far), {true, true, true});
-  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces that nothing joins (16 elements at "), std::string::npos)
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces that nothing rigid joins (16 elements at "), std::string::npos)
       << refusal(model, plate_as_rigid());
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("give each piece a material of its own"), std::string::npos);
+  Settings told = plate_as_rigid();
+  told.free["plate"] = {};
+  EXPECT_EQ(refusal(model, told), "");
+  // held by an edge, it could still turn about it
+  fix_nodes(model, "near", nodes_of(model, kPlate, [](const Vector3d& x) { return x.x() < -4.9; }), {true, true, true});
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces"), std::string::npos);
+  // in full: each stays where it is, also if the steps say so one by one
   fix_nodes(model, "near", nodes_of(model, kPlate, near), {true, true, true});
-  EXPECT_EQ(refusal(model, plate_as_rigid()), "");  // each stays where it is
+  EXPECT_EQ(refusal(model, plate_as_rigid()), "");
+  model.steps.push_back(model.steps[0]);
+  model.fixed_nodes.back().step = 1;
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces"), std::string::npos);
+  model.fixed_nodes.push_back(model.fixed_nodes.back());
+  model.fixed_nodes.back().step = 0;
+  EXPECT_EQ(refusal(model, plate_as_rigid()), "");
+
+  // moved alike they are one body; moved each by itself they are not
+  JointModel moved = with_another();
+  moved.nodal_forces.clear();
+  PrescribedNodes p;
+  p.name = "down";
+  p.nodes = nodes_of(moved, kPlate, all);
+  for (p.component = 0; p.component < 3; ++p.component) {
+    p.value = {p.component == 2 ? -0.1 : 0.0, 0};
+    moved.prescribed_nodes.push_back(p);
+  }
+  EXPECT_EQ(refusal(moved, plate_as_rigid()), "");
+  moved.prescribed_nodes.back().nodes = nodes_of(moved, kPlate, near);
+  p.component = 2;
+  p.nodes = nodes_of(moved, kPlate, far);
+  p.value.factor = 0.3;
+  moved.prescribed_nodes.push_back(p);
+  EXPECT_NE(refusal(moved, plate_as_rigid()), "");
 
   // a rigid body of the model that holds nodes of both makes them one in FEBio, too
   JointModel joined = with_another();
@@ -119,6 +158,38 @@ TEST(TakenAsRigid, SeparateBonesOfOneMaterialAreRefused) {
   joined.rigid_nodes.push_back(set);
   test::fix(joined, pot, {true, true, false, true, true, true});
   EXPECT_EQ(refusal(joined, plate_as_rigid()), "");
+  EXPECT_TRUE(finds(joined, "material \"plate\" is one body with \"pot\", whose centre of mass counts"));
+}
+
+// A piece of a second material, that shares no node with the first: the second one is named.
+TEST(TakenAsRigid, TheMaterialOfThePieceIsNamed) {
+  JointModel model = pushed_plate();
+  const int cortex = test::add_material(model, "cortex", false);
+  model.domains.back().name = "half";
+  Domain half = model.domains.back();  // of the plate's shells
+  half.material = cortex;
+  model.domains.push_back(half);
+  test::add_rigid_surface(
+      model, "other", 2, 2, [](double u, double v) { return Vector3d(100 + u, v, 0); }, cortex);
+  fix_nodes(model, "far", nodes_of(model, cortex, [](const Vector3d& x) { return x.x() > 50; }), {true, true, true});
+  Settings settings = plate_as_rigid();
+  settings.rigid.push_back("cortex");
+  EXPECT_NE(refusal(model, settings).find("material \"cortex\" is taken as rigid"), std::string::npos)
+      << refusal(model, settings);
+}
+
+// Two bones of one material that are tied to each other are one; each tied to a third thing, they are not.
+TEST(TakenAsRigid, TiesJoinTwoBones) {
+  JointModel model = pushed_plate();
+  const int other = test::add_rigid_surface(
+      model, "other", 2, 2, [](double u, double v) { return Vector3d(4 * u - 2, 2 - 4 * v, 0.5); }, kPlate);
+  NodalForce push = model.nodal_forces.front();
+  push.nodes = model.surfaces[at(other)].nodes;
+  model.nodal_forces.push_back(push);
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces"), std::string::npos);
+  test::add_contact(model, "tie", other, model.contacts.front().secondary);
+  model.contacts.back().kind = Contact::Kind::Tied;
+  EXPECT_EQ(refusal(model, plate_as_rigid()).find("pieces"), std::string::npos) << refusal(model, plate_as_rigid());
 }
 
 /// A block of `bone` with z in 0 .. 1, and one of the rigid material `pot` with z in 10 .. 12 that holds its nodes.
@@ -143,6 +214,7 @@ struct Potted {
 };
 
 // FEBio turns a rigid body about its own centre: what hangs on it and is deformable does not count.
+// Two of them on one bone are one here, and their loads act at one centre: told.
 TEST(TakenAsRigid, TheCentreOfARigidBodyOfTheModelStays) {
   Potted joint;
   EXPECT_LT((joint.body().center_of_mass - Vector3d(0.5, 0.5, 11)).norm(), 1e-12);
@@ -150,6 +222,19 @@ TEST(TakenAsRigid, TheCentreOfARigidBodyOfTheModelStays) {
   joint.model.materials[at(joint.pot)].center_of_mass = Vector3d(1, 2, 3);
   EXPECT_EQ(joint.body().center_of_mass, Vector3d(1, 2, 3));
   EXPECT_TRUE(joint.body().center_given);
+
+  JointModel model = pushed_plate();
+  for (const char* name : {"near pot", "far pot"}) {
+    const int pot = test::add_material(model, name, true);
+    model.materials[at(pot)].center_of_mass = Vector3d(0, 0, 20);
+    test::add_rigid_surface(
+        model, name, 1, 1, [&](double u, double v) { return Vector3d(u, v, 20); }, pot);
+    RigidNodes set;
+    set.material = pot;
+    set.nodes = nodes_of(model, kPlate, [&](const Vector3d& x) { return (x.x() > 0) == (name[0] == 'f'); });
+    model.rigid_nodes.push_back(set);
+  }
+  EXPECT_TRUE(finds(model, "rigid bodies \"near pot\" and \"far pot\" of the model are one body"));
 }
 
 // A density that is a map leaves no NaN and no origin behind: that of the block is taken, and told.
@@ -161,10 +246,21 @@ TEST(TakenAsRigid, ADensityThatIsNoNumberCountsAsOne) {
 
   JointModel model = pushed_plate();
   model.materials[kPlate].density = kNaN;
-  const Joint found = make_joint(model, plate_as_rigid());
-  EXPECT_TRUE(std::any_of(found.findings.begin(), found.findings.end(), [](const Sentence& s) {
-    return s.text.find("has a density that is not one number") != std::string::npos;
-  }));
+  EXPECT_TRUE(finds(model, "has a density that is not one number"));
+
+  // beside one that is a number: all of the body counts alike
+  Potted two;
+  two.model.rigid_nodes.clear();
+  two.model.materials[at(two.bone)].density = kNaN;
+  two.model.materials[at(two.pot)].rigid = false;
+  two.model.materials[at(two.pot)].density = 1e-9;
+  for (int& node : two.model.domains[2].nodes)  // the upper block stands on the lower one
+    for (std::size_t i = 0; i < 8; ++i)
+      if (two.model.nodes[at(node)].z() == 10 && two.model.nodes[i].z() == 1 &&
+          two.model.nodes[i].head<2>() == two.model.nodes[at(node)].head<2>())
+        node = static_cast<int>(i);
+  // 1 x 1 x 1 up to z = 1, then 1 x 1 x 11 up to 12
+  EXPECT_LT((two.body().center_of_mass - Vector3d(0.5, 0.5, (0.5 + 11 * 6.5) / 12)).norm(), 1e-12);
 }
 
 }  // namespace dea::taken_as_rigid_test
