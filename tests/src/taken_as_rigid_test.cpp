@@ -109,7 +109,8 @@ TEST(TakenAsRigid, SeparateBonesOfOneMaterialAreRefused) {
   EXPECT_EQ(refusal(idle, plate_as_rigid()), "");
   JointModel model = with_another();
   fix_nodes(model, "far", nodes_of(model, kPlate, far), {true, true, true});
-  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces that nothing rigid joins (16 elements at "), std::string::npos)
+  EXPECT_NE(refusal(model, plate_as_rigid()).find("is 2 pieces that nothing rigid joins (16 elements at "),
+            std::string::npos)
       << refusal(model, plate_as_rigid());
   EXPECT_NE(refusal(model, plate_as_rigid()).find("give each piece a material of its own"), std::string::npos);
   Settings told = plate_as_rigid();
