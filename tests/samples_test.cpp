@@ -696,7 +696,7 @@ TEST(SamplesHip, AFailedSearchCountsAllItsIterations) {
   ASSERT_EQ(e.outcome, Outcome::NotConverged);
   const std::string counts = fmt::format("; {} iterations, ", e.iterations);
   EXPECT_NE(e.message.find(counts), std::string::npos) << e.message << "\n" << counts;
-  const Equilibrium& good = analyse(model, {}, options).states.back().equilibrium;
+  const Equilibrium good = analyse(model, {}, options).states.back().equilibrium;
   EXPECT_NE(good.message.find(fmt::format(" in {} iterations", good.iterations)), std::string::npos) << good.message;
 }
 
