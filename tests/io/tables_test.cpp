@@ -306,6 +306,18 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
   EXPECT_NO_THROW(header("", "deg-m"));
 }
 
+/// Why these tables of a model in mm and N are refused, as the command line says it; empty: they are not.
+std::string fault_in_words(Settings& settings) {
+  JointModel model;
+  model.units = "mm-N-s";
+  try {
+    read_tables(model, settings);
+  } catch (const InputError& e) {
+    return line(e.fault, command_line_wording());
+  }
+  return "";
+}
+
 // What a file is counted in says what to do about it.
 TEST(Tables, ColumnsPerWeightOrMassSayWhatToDo) {
   const auto remedy = [](const std::string& names, std::optional<double> weight = {}) {
@@ -315,15 +327,8 @@ TEST(Tables, ColumnsPerWeightOrMassSayWhatToDo) {
     settings.loads.file = file("per.csv", "time," + names + "\n" + row + ",1\n");
     settings.loads.body = "femur";
     settings.loads.body_weight = weight;
-    JointModel model;
-    model.units = "mm-N-s";
-    try {
-      read_tables(model, settings);
-    } catch (const InputError& e) {
-      const std::string text = line(e.fault, command_line_wording());
-      return text.substr(text.find("otherwise; ") + 11);
-    }
-    return std::string();
+    const std::string text = fault_in_words(settings);
+    return text.empty() ? text : text.substr(text.find("otherwise; ") + 11);
   };
   const auto force = [](const char* unit) { return fmt::format("fx [{0}],fy [{0}],fz [{0}]", unit); };
   const auto moment = [](const char* unit) { return fmt::format("fx,fy,fz,mx [{0}],my [{0}],mz [{0}]", unit); };
@@ -367,14 +372,8 @@ TEST(Tables, DegreesThatAreSaidToBeRadiansAreRefused) {
     settings.motion.body = "femur";
     settings.motion.rotation = rotation;
     settings.motion.units = units;
-    JointModel model;
-    model.units = "mm-N-s";
-    try {
-      read_tables(model, settings);
-    } catch (const InputError& e) {
-      return line(e.fault, command_line_wording()).substr(settings.motion.file.size());
-    }
-    return std::string();
+    const std::string text = fault_in_words(settings);
+    return text.empty() ? text : text.substr(settings.motion.file.size());
   };
   const std::string rows = "0\t0\t0\t0\t0\t0\t0.5\n1\t0\t0\t0\t0\t-25\t0\n";
   for (const char* rotation : {"zxy", "vector"})
