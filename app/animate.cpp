@@ -1,4 +1,4 @@
-#include <febiodea/app/animate.h>
+#include "app/animate.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <optional>
 #include <sstream>
 
-#include <febiodea/app/process.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
-#include <febiodea/views/map/gif.h>
-#include <febiodea/views/map/map_paint.h>
+#include "app/process.h"
+#include "io/files/output.h"
+#include "io/files/system.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/map/gif.h"
+#include "views/map/map_paint.h"
 
 namespace dea {
 

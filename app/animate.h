@@ -1,10 +1,10 @@
-// febiodea/app/animate.h – maps of all states one after the other: GIF, MP4, or a folder of PNG.
+// app/animate.h – maps of all states one after the other: GIF, MP4, or a folder of PNG.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/app/progress.h>
-#include <febiodea/views/map/draw_map.h>
+#include "app/progress.h"
+#include "views/map/draw_map.h"
 
 namespace dea {
 

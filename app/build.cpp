@@ -5,27 +5,27 @@
 #include <filesystem>
 #include <map>
 
-#include <febiodea/app/build_request.h>
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/base/error.h>
-#include <febiodea/build/remesh.h>
-#include <febiodea/io/build/joint_feb.h>
-#include <febiodea/io/build/landmarks.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/existing_model.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/views/build_page/build_page.h>
-#include <febiodea/views/data/build_json.h>
-#include <febiodea/views/data/json.h>
-#include <febiodea/views/map/hip_picture.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/text/build_text.h>
+#include "app/build_request.h"
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "io/build/joint_feb.h"
+#include "io/build/landmarks.h"
+#include "io/feb/read_feb.h"
+#include "io/files/existing_model.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/files/system.h"
+#include "io/settings/setting_words.h"
+#include "src/base/error.h"
+#include "src/build/remesh.h"
+#include "src/run/analysis.h"
+#include "views/build_page/build_page.h"
+#include "views/data/build_json.h"
+#include "views/data/json.h"
+#include "views/map/hip_picture.h"
+#include "views/page/write_page.h"
+#include "views/text/build_text.h"
 
 namespace dea {
 

@@ -1,17 +1,17 @@
-#include <febiodea/app/build_request.h>
+#include "app/build_request.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/names.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/io/build/landmarks.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/io/surfaces/read_surface.h>
-#include <febiodea/io/tables/number_table.h>
-#include <febiodea/io/tables/read_tables.h>
+#include "io/build/landmarks.h"
+#include "io/settings/setting_words.h"
+#include "io/surfaces/read_surface.h"
+#include "io/tables/number_table.h"
+#include "io/tables/read_tables.h"
+#include "src/base/names.h"
+#include "src/build/mend_surface.h"
 
 namespace dea {
 

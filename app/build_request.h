@@ -1,13 +1,13 @@
-// febiodea/app/build_request.h – what `dea build` is asked for, from its options and the files they name.
+// app/build_request.h – what `dea build` is asked for, from its options and the files they name.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/build/anatomy.h>
-#include <febiodea/build/build_joint.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/model/settings.h>
+#include "app/commands.h"
+#include "io/files/output.h"
+#include "src/build/anatomy.h"
+#include "src/build/build_joint.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

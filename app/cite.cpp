@@ -1,14 +1,14 @@
 // `dea cite`: the paragraph for the methods of a paper.
 #include <fmt/format.h>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/views/memory.h>
-#include <febiodea/views/text/methods_text.h>
+#include "app/commands.h"
+#include "io/feb/read_feb.h"
+#include "io/files/output.h"
+#include "io/tables/read_tables.h"
+#include "io/xplt/xplt.h"
+#include "src/base/error.h"
+#include "views/memory.h"
+#include "views/text/methods_text.h"
 
 namespace dea {
 

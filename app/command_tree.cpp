@@ -1,8 +1,8 @@
-#include <febiodea/app/command_tree.h>
+#include "app/command_tree.h"
 
 #include <algorithm>
 
-#include <febiodea/base/parse.h>
+#include "src/base/parse.h"
 
 namespace dea {
 

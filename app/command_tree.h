@@ -1,4 +1,4 @@
-// febiodea/app/command_tree.h – the commands and options of the program as plain text, read from what --help is made
+// app/command_tree.h – the commands and options of the program as plain text, read from what --help is made
 // of. Manual pages and shell completion are made of it and of nothing else.
 #pragma once
 #include <CLI/CLI.hpp>

@@ -1,10 +1,10 @@
-// febiodea/app/commands.h – the commands of the program: how each is spelled, and what it does.
+// app/commands.h – the commands of the program: how each is spelled, and what it does.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
-#include <febiodea/app/options.h>
+#include "app/options.h"
 
 namespace dea {
 

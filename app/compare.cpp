@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/existing_plot.h>
-#include <febiodea/views/compare/compare_files.h>
-#include <febiodea/views/data/compare_json.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/text/compare_text.h>
+#include "app/commands.h"
+#include "app/progress.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/results/existing_plot.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "views/compare/compare_files.h"
+#include "views/data/compare_json.h"
+#include "views/page/write_page.h"
+#include "views/text/compare_text.h"
 
 namespace dea {
 

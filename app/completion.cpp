@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include <febiodea/app/command_tree.h>
-#include <febiodea/app/commands.h>
-#include <febiodea/app/options.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/output.h>
+#include "app/command_tree.h"
+#include "app/commands.h"
+#include "app/options.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -3,18 +3,18 @@
 
 #include <algorithm>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/run/convergence.h>
-#include <febiodea/run/recognise.h>
-#include <febiodea/views/data/run_json.h>
-#include <febiodea/views/text/run_text.h>
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "io/feb/read_feb.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "src/run/convergence.h"
+#include "src/run/recognise.h"
+#include "views/data/run_json.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

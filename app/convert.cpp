@@ -1,17 +1,17 @@
 // `dea convert`: a model for FEBio with the plugin, whose contact is the spring bed.
 #include <fmt/format.h>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/convert/convert_feb.h>
-#include <febiodea/io/convert/linear_solver.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/existing_model.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/views/text/remarks.h>
+#include "app/commands.h"
+#include "io/convert/convert_feb.h"
+#include "io/convert/linear_solver.h"
+#include "io/feb/read_feb.h"
+#include "io/files/existing_model.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/settings/setting_words.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "views/text/remarks.h"
 
 namespace dea {
 

@@ -1,17 +1,17 @@
 // `dea info`: what is recognised in a model, to be looked at before it is believed.
 #include <fmt/format.h>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/existing_plot.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/views/data/info_json.h>
-#include <febiodea/views/memory.h>
-#include <febiodea/views/text/info_text.h>
+#include "app/commands.h"
+#include "io/feb/read_feb.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/results/existing_plot.h"
+#include "io/results/plot_file.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "views/data/info_json.h"
+#include "views/memory.h"
+#include "views/text/info_text.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/app/interrupt.h>
+#include "app/interrupt.h"
 
 #include <cstdlib>
 
-#include <febiodea/app/process.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "app/process.h"
+#include "io/files/output.h"
+#include "io/files/system.h"
 
 namespace dea {
 

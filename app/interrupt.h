@@ -1,6 +1,6 @@
-// febiodea/app/interrupt.h – Ctrl-C: a search and the writing of results end in order, all else ends at once.
+// app/interrupt.h – Ctrl-C: a search and the writing of results end in order, all else ends at once.
 #pragma once
-#include <febiodea/base/stop.h>
+#include "src/base/stop.h"
 
 namespace dea {
 

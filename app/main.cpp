@@ -9,15 +9,15 @@
 #include <set>
 #include <sstream>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/process.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/model/settings_table.h>
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/process.h"
+#include "io/files/free_memory.h"
+#include "io/files/output.h"
+#include "io/settings/setting_words.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/model/settings_table.h"
 
 namespace {
 

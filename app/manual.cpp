@@ -1,17 +1,17 @@
 // `dea man`: the pages of man(1), made of what --help prints.
-#include <febiodea/version.h>
+#include "src/version.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <sstream>
 
-#include <febiodea/app/command_tree.h>
-#include <febiodea/app/commands.h>
-#include <febiodea/app/options.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/io/files/output.h>
+#include "app/command_tree.h"
+#include "app/commands.h"
+#include "app/options.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
 
 namespace dea {
 

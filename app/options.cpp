@@ -1,4 +1,4 @@
-#include <febiodea/app/options.h>
+#include "app/options.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
+#include "io/files/output.h"
+#include "io/settings/settings_xml.h"
+#include "src/base/error.h"
 
 namespace dea {
 

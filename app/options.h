@@ -1,4 +1,4 @@
-// febiodea/app/options.h – options that commands share: what takes the place of the model's own statements.
+// app/options.h – options that commands share: what takes the place of the model's own statements.
 #pragma once
 #include <tbb/global_control.h>
 
@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/app/progress.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/settings/output_options.h>
-#include <febiodea/model/settings.h>
-#include <febiodea/run/analysis.h>
+#include "app/progress.h"
+#include "io/settings/output_options.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/model/settings.h"
+#include "src/run/analysis.h"
 
 namespace dea {
 

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <febiodea/app/animate.h>
-#include <febiodea/app/commands.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/views/map/draw_map.h>
-#include <febiodea/views/map/map_figure.h>
+#include "app/animate.h"
+#include "app/commands.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "views/map/draw_map.h"
+#include "views/map/map_figure.h"
 
 namespace dea {
 

@@ -7,12 +7,12 @@
 #include <sstream>
 #include <thread>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/process.h>
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/process.h"
+#include "io/files/output.h"
+#include "io/files/system.h"
+#include "src/base/error.h"
 
 namespace dea {
 

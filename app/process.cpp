@@ -1,4 +1,4 @@
-#include <febiodea/app/process.h>
+#include "app/process.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>

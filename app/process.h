@@ -1,9 +1,9 @@
-// febiodea/app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
+// app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/base/stop.h>
+#include "src/base/stop.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/app/progress.h>
+#include "app/progress.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/output.h"
+#include "io/files/system.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/app/progress.h – how far a long command has come, for whoever watches standard error.
+// app/progress.h – how far a long command has come, for whoever watches standard error.
 #pragma once
 #include <condition_variable>
 #include <functional>

@@ -4,22 +4,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/existing_plot.h>
-#include <febiodea/io/settings/output_options.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/views/memory.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/run_model.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "io/feb/read_feb.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/results/existing_plot.h"
+#include "io/settings/output_options.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "src/base/time_text.h"
+#include "views/memory.h"
+#include "views/page/write_page.h"
+#include "views/run_model.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

@@ -4,18 +4,18 @@
 #include <algorithm>
 #include <set>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/interrupt.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/app/study_plan.h>
-#include <febiodea/app/study_reading.h>
-#include <febiodea/app/study_report.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/views/run_study.h>
-#include <febiodea/views/study_output.h>
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "app/study_plan.h"
+#include "app/study_reading.h"
+#include "app/study_report.h"
+#include "io/files/output.h"
+#include "io/study/read_study.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/run_study.h"
+#include "views/study_output.h"
 
 namespace dea {
 

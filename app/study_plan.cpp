@@ -1,11 +1,11 @@
-#include <febiodea/app/study_plan.h>
+#include "app/study_plan.h"
 
 #include <fmt/format.h>
 
 #include <map>
 #include <utility>
 
-#include <febiodea/app/interrupt.h>
+#include "app/interrupt.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/app/study_plan.h – from the line of `dea study` to what is solved.
+// app/study_plan.h – from the line of `dea study` to what is solved.
 #pragma once
-#include <febiodea/app/commands.h>
-#include <febiodea/app/progress.h>
-#include <febiodea/views/study_request.h>
+#include "app/commands.h"
+#include "app/progress.h"
+#include "views/study_request.h"
 
 namespace dea {
 

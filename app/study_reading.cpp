@@ -3,17 +3,17 @@
 
 #include <algorithm>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/app/study_reading.h>
-#include <febiodea/app/study_report.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/io/study/study_file.h>
-#include <febiodea/views/data/csv.h>
-#include <febiodea/views/study_output.h>
+#include "app/commands.h"
+#include "app/study_reading.h"
+#include "app/study_report.h"
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/study/read_study.h"
+#include "io/study/study_file.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/data/csv.h"
+#include "views/study_output.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/app/study_reading.h – what `dea study` does beside solving, and what it tells at the end.
+// app/study_reading.h – what `dea study` does beside solving, and what it tells at the end.
 #pragma once
 #include <string>
 
-#include <febiodea/app/commands.h>
+#include "app/commands.h"
 
 namespace dea {
 

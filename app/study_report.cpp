@@ -1,17 +1,17 @@
-#include <febiodea/app/study_report.h>
+#include "app/study_report.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/study_page/study_subjects.h>
+#include "io/files/output.h"
+#include "io/tables/text_table.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "views/page/write_page.h"
+#include "views/study_page/study_subjects.h"
 
 namespace dea {
 

@@ -1,7 +1,7 @@
-// febiodea/app/study_report.h – `dea study --report`: a study as a page.
+// app/study_report.h – `dea study --report`: a study as a page.
 #pragma once
-#include <febiodea/app/commands.h>
-#include <febiodea/views/study_page/study_page.h>
+#include "app/commands.h"
+#include "views/study_page/study_page.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/version.h>
+#include "src/version.h"
 
 #include <fmt/format.h>
 #include <tbb/version.h>
@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include <febiodea/app/commands.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "app/commands.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

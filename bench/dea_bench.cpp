@@ -19,15 +19,15 @@
 #include <thread>
 #include <vector>
 
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/prepared.h>
-#include <febiodea/springs/press.h>
-#include "src/test_models.h"
+#include "io/feb/read_feb.h"
+#include "io/febio/febio_text.h"
+#include "io/results/plot_file.h"
+#include "io/xplt/xplt.h"
+#include "src/equilibrium/times.h"
+#include "src/run/analysis.h"
+#include "src/run/prepared.h"
+#include "src/springs/press.h"
+#include "tests/src/test_models.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "analytic/neo_hookean_layer.h"
+#include "tests/analytic/neo_hookean_layer.h"
 
 using namespace dea::analytic;
 

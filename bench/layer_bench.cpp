@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/springs/layer_contact.h>
-#include "src/layer_meshes.h"
+#include "src/springs/layer_contact.h"
+#include "tests/src/layer_meshes.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // Formulas of load controllers and constants, values of settings, factors of a study: text of one line. The first byte
 // chooses.
-#include <febiodea/model/load_curve.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/study/plan.h>
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
+#include "src/model/load_curve.h"
+#include "src/model/settings_table.h"
+#include "src/study/plan.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;

@@ -1,8 +1,8 @@
 // A model: read, recognised as far as it goes, and converted.
-#include <febiodea/io/convert/convert_feb.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/run/recognise.h>
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
+#include "io/convert/convert_feb.h"
+#include "io/feb/read_feb.h"
+#include "src/run/recognise.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   dea::fuzz::answer_or_refusal([&] {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
+#include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea::fuzz {
 

@@ -1,6 +1,6 @@
 // A surface of a bone. The first byte chooses the format.
-#include <febiodea/io/surfaces/read_surface.h>
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
+#include "io/surfaces/read_surface.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

@@ -1,9 +1,9 @@
 // A table of loads, motion, thickness, cases or landmarks. The first byte chooses what it is taken for.
-#include <febiodea/io/build/landmarks.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/model/joint_model.h>
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
+#include "io/build/landmarks.h"
+#include "io/tables/read_tables.h"
+#include "io/tables/text_table.h"
+#include "src/model/joint_model.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

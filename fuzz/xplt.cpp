@@ -2,9 +2,9 @@
 // and `dea plot` do.
 #include <stdexcept>
 
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/io/xplt/xplt.h>
-#include "fuzz.h"
+#include "fuzz/fuzz.h"
+#include "io/results/result_file.h"
+#include "io/xplt/xplt.h"
 
 namespace {
 

@@ -1,11 +1,11 @@
-#include <febiodea/plugin/contact_in_file.h>
+#include "plugin/contact_in_file.h"
 
 #include <fstream>
 #include <iterator>
 #include <optional>
 
-#include <febiodea/base/parse.h>
-#include <febiodea/io/convert/xml_places.h>
+#include "io/convert/xml_places.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

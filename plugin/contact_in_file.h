@@ -1,4 +1,4 @@
-// febiodea/plugin/contact_in_file.h – a contact of type dea as its file has it: FEBio's reader keeps no lines, and
+// plugin/contact_in_file.h – a contact of type dea as its file has it: FEBio's reader keeps no lines, and
 // takes "11,85" for 11.
 #pragma once
 #include <map>

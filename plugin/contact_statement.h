@@ -1,6 +1,6 @@
-// febiodea/plugin/contact_statement.h – what a contact of this plugin says of itself to the reader of FEBio's model.
+// plugin/contact_statement.h – what a contact of this plugin says of itself to the reader of FEBio's model.
 #pragma once
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/plugin/dea_contact.h>
+#include "plugin/dea_contact.h"
 
 #include <FEBioMech/FEMechModel.h>
 #include <FEBioMech/FERigidBody.h>
@@ -22,21 +22,21 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/febio/febio_rules.h>
-#include <febiodea/io/febio/symmetry_words.h>
-#include <febiodea/plugin/contact_in_file.h>
-#include <febiodea/plugin/febio_log.h>
-#include <febiodea/plugin/febio_wording.h>
-#include <febiodea/plugin/read_fe_model.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/spring_law.h>
-#include <febiodea/springs/wrench.h>
+#include "io/febio/febio_rules.h"
+#include "io/febio/symmetry_words.h"
+#include "plugin/contact_in_file.h"
+#include "plugin/febio_log.h"
+#include "plugin/febio_wording.h"
+#include "plugin/read_fe_model.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/time_text.h"
+#include "src/run/analysis.h"
+#include "src/springs/press.h"
+#include "src/springs/spring_law.h"
+#include "src/springs/wrench.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// febiodea/plugin/dea_contact.h – `<contact type="dea">`: the spring bed as a contact between two of FEBio's rigid
+// plugin/dea_contact.h – `<contact type="dea">`: the spring bed as a contact between two of FEBio's rigid
 // bodies.
 //
 // What is said in the model becomes a dea::Contact; recognition, springs, forces and their derivative are those of
@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
-#include <febiodea/plugin/contact_statement.h>
-#include <febiodea/results/fields.h>
+#include "plugin/contact_statement.h"
+#include "src/model/joint_model.h"
+#include "src/results/fields.h"
 
 class FERigidBody;
 

@@ -1,25 +1,25 @@
-#include <febiodea/plugin/dea_task.h>
+#include "plugin/dea_task.h"
 
 #include <FEBioLib/FEBioModel.h>
 #include <fmt/format.h>
 
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/existing_plot.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/plugin/febio_log.h>
-#include <febiodea/plugin/febio_wording.h>
-#include <febiodea/plugin/interrupts.h>
-#include <febiodea/plugin/read_fe_model.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/run_model.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
+#include "io/files/held_outputs.h"
+#include "io/files/output.h"
+#include "io/results/existing_plot.h"
+#include "io/settings/settings_xml.h"
+#include "io/tables/read_tables.h"
+#include "plugin/febio_log.h"
+#include "plugin/febio_wording.h"
+#include "plugin/interrupts.h"
+#include "plugin/read_fe_model.h"
+#include "src/base/error.h"
+#include "src/base/time_text.h"
+#include "views/page/write_page.h"
+#include "views/run_model.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
 
 namespace {
 

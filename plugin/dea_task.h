@@ -1,4 +1,4 @@
-// febiodea/plugin/dea_task.h – FEBio's task `dea`: febio4 -i hip.feb -import libfebio_dea-4.11.so -task=dea
+// plugin/dea_task.h – FEBio's task `dea`: febio4 -i hip.feb -import libfebio_dea-4.11.so -task=dea
 // [settings.xml]
 #pragma once
 #include <FECore/FECoreTask.h>

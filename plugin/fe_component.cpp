@@ -9,7 +9,7 @@
 
 #include <string_view>
 
-#include <febiodea/plugin/fe_reading.h>
+#include "plugin/fe_reading.h"
 
 namespace dea::fe {
 

@@ -1,4 +1,4 @@
-#include <febiodea/plugin/fe_reading.h>
+#include "plugin/fe_reading.h"
 
 #include <FECore/FELoadController.h>
 #include <FECore/FEModelParam.h>
@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea::fe {
 

@@ -1,4 +1,4 @@
-// febiodea/plugin/fe_reading.h – inside of read_fe_model only: what is known while FEBio's model is read, parameters by
+// plugin/fe_reading.h – inside of read_fe_model only: what is known while FEBio's model is read, parameters by
 // name.
 #pragma once
 #include <FEBioMech/FEMechModel.h>
@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/io/febio/component.h>
-#include <febiodea/io/febio/interpret.h>
-#include <febiodea/model/joint_model.h>
+#include "io/febio/component.h"
+#include "io/febio/interpret.h"
+#include "src/model/joint_model.h"
 
 class FEFacetSet;
 class FEModelLoad;

@@ -2,7 +2,7 @@
 #include <FECore/FEDiscreteDomain.h>
 #include <FECore/FEMesh.h>
 
-#include <febiodea/plugin/fe_reading.h>
+#include "plugin/fe_reading.h"
 
 namespace dea::fe {
 

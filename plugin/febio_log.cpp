@@ -1,4 +1,4 @@
-#include <febiodea/plugin/febio_log.h>
+#include "plugin/febio_log.h"
 
 #include <FEBioLib/FEBioModel.h>
 #include <FECore/log.h>
@@ -9,8 +9,8 @@
 #include <sstream>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/version.h>
+#include "src/base/error.h"
+#include "src/version.h"
 
 namespace dea {
 

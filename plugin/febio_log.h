@@ -1,4 +1,4 @@
-// febiodea/plugin/febio_log.h – texts into FEBio's log: file and console.
+// plugin/febio_log.h – texts into FEBio's log: file and console.
 #pragma once
 #include <string>
 

@@ -1,6 +1,6 @@
-#include <febiodea/plugin/febio_wording.h>
+#include "plugin/febio_wording.h"
 
-#include <febiodea/io/settings/setting_words.h>
+#include "io/settings/setting_words.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-// febiodea/plugin/febio_wording.h – settings as a user of the plugin types them.
+// plugin/febio_wording.h – settings as a user of the plugin types them.
 #pragma once
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 namespace dea {
 

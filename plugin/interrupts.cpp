@@ -1,10 +1,10 @@
-#include <febiodea/plugin/interrupts.h>
+#include "plugin/interrupts.h"
 
 #include <csignal>
 #include <cstdlib>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/output.h"
+#include "io/files/system.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-// febiodea/plugin/interrupts.h – Ctrl-C while the task works.
+// plugin/interrupts.h – Ctrl-C while the task works.
 #pragma once
-#include <febiodea/base/stop.h>
+#include "src/base/stop.h"
 
 namespace dea {
 

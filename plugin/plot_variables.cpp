@@ -1,9 +1,9 @@
-#include <febiodea/plugin/plot_variables.h>
+#include "plugin/plot_variables.h"
 
 #include <FECore/FEDataStream.h>
 #include <FECore/units.h>
 
-#include <febiodea/plugin/dea_contact.h>
+#include "plugin/dea_contact.h"
 
 namespace {
 

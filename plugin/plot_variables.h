@@ -1,8 +1,8 @@
-// febiodea/plugin/plot_variables.h – what FEBio's plot file can show of contacts of type dea beside its own variables.
+// plugin/plot_variables.h – what FEBio's plot file can show of contacts of type dea beside its own variables.
 #pragma once
 #include <FECore/FEPlotData.h>
 
-#include <febiodea/results/fields.h>
+#include "src/results/fields.h"
 
 /// `cartilage thickness`: per facet node.
 class FEPlotCartilageThickness : public FEPlotSurfaceData {

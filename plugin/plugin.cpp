@@ -5,10 +5,10 @@
 
 #include <cstdio>
 
-#include <febiodea/plugin/dea_contact.h>
-#include <febiodea/plugin/dea_task.h>
-#include <febiodea/plugin/plot_variables.h>
-#include <febiodea/version.h>
+#include "plugin/dea_contact.h"
+#include "plugin/dea_task.h"
+#include "plugin/plot_variables.h"
+#include "src/version.h"
 
 FECORE_PLUGIN unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
 

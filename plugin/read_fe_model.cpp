@@ -1,4 +1,4 @@
-#include <febiodea/plugin/read_fe_model.h>
+#include "plugin/read_fe_model.h"
 
 #include <FEBioLib/FEBioModel.h>
 #include <FEBioMech/FERigidConnector.h>
@@ -32,11 +32,11 @@
 #include <numbers>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/febio/febio_material.h>
-#include <febiodea/model/load_curve.h>
-#include <febiodea/plugin/contact_statement.h>
-#include <febiodea/plugin/fe_reading.h>
+#include "io/febio/febio_material.h"
+#include "plugin/contact_statement.h"
+#include "plugin/fe_reading.h"
+#include "src/base/error.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-// febiodea/plugin/read_fe_model.h – FEBio's own model becomes a JointModel, the same as read_feb makes of its file.
+// plugin/read_fe_model.h – FEBio's own model becomes a JointModel, the same as read_feb makes of its file.
 #pragma once
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 class FEModel;
 

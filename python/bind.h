@@ -1,4 +1,4 @@
-// febiodea/python/bind.h – the parts of the module, one file each.
+// python/bind.h – the parts of the module, one file each.
 #pragma once
 #include <pybind11/pybind11.h>
 
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/python/stages.h>
-#include <febiodea/study/plan.h>
+#include "python/stages.h"
+#include "src/study/plan.h"
 
 namespace dea::python {
 

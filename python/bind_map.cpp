@@ -4,17 +4,17 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/work.h>
-#include <febiodea/views/map/draw_map.h>
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/map/map_paint.h>
-#include <febiodea/views/map/map_scale.h>
+#include "io/files/output.h"
+#include "io/results/plot_file.h"
+#include "io/results/result_file.h"
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/work.h"
+#include "views/map/draw_map.h"
+#include "views/map/map_figure.h"
+#include "views/map/map_paint.h"
+#include "views/map/map_scale.h"
 
 namespace dea::python {
 

@@ -8,16 +8,16 @@
 #include <limits>
 #include <utility>
 
-#include <febiodea/base/names.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/views.h>
-#include <febiodea/python/work.h>
-#include <febiodea/results/comparison.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/results/percentile.h>
+#include "io/files/encoded_text.h"
+#include "io/results/result_file.h"
+#include "python/bind.h"
+#include "python/plain.h"
+#include "python/views.h"
+#include "python/work.h"
+#include "src/base/names.h"
+#include "src/results/comparison.h"
+#include "src/results/headline.h"
+#include "src/results/percentile.h"
 
 namespace dea::python {
 

@@ -5,19 +5,19 @@
 #include <algorithm>
 #include <utility>
 
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/rows.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/views.h>
-#include <febiodea/python/work.h>
-#include <febiodea/run/idle_loads.h>
-#include <febiodea/views/memory.h>
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/views.h"
+#include "python/work.h"
+#include "src/base/say.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/rows.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/placing.h"
+#include "src/model/settings_table.h"
+#include "src/run/idle_loads.h"
+#include "views/memory.h"
 
 namespace dea::python {
 

@@ -3,20 +3,20 @@
 #include <cmath>
 #include <utility>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/existing_plot.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/views.h>
-#include <febiodea/python/work.h>
-#include <febiodea/views/data/run_csv.h>
-#include <febiodea/views/page/write_page.h>
-#include <febiodea/views/run_model.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
+#include "io/files/output.h"
+#include "io/results/existing_plot.h"
+#include "io/results/plot_file.h"
+#include "io/vtu/write_vtu.h"
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/views.h"
+#include "python/work.h"
+#include "views/data/run_csv.h"
+#include "views/page/write_page.h"
+#include "views/run_model.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
 
 namespace dea::python {
 

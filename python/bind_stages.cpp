@@ -8,27 +8,27 @@
 #include <map>
 #include <utility>
 
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/views.h>
-#include <febiodea/python/work.h>
-#include <febiodea/run/check.h>
-#include <febiodea/run/idle_loads.h>
-#include <febiodea/views/data/info_json.h>
-#include <febiodea/views/memory.h>
-#include <febiodea/views/run_model.h>
-#include <febiodea/views/text/info_text.h>
-#include <febiodea/views/text/remarks.h>
+#include "io/feb/read_feb.h"
+#include "io/files/output.h"
+#include "io/settings/settings_xml.h"
+#include "io/tables/read_tables.h"
+#include "io/xplt/xplt.h"
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/views.h"
+#include "python/work.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
+#include "src/equilibrium/times.h"
+#include "src/run/check.h"
+#include "src/run/idle_loads.h"
+#include "views/data/info_json.h"
+#include "views/memory.h"
+#include "views/run_model.h"
+#include "views/text/info_text.h"
+#include "views/text/remarks.h"
 
 namespace dea::python {
 

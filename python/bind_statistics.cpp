@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/work.h>
-#include <febiodea/study/dose.h>
-#include <febiodea/study/mean_map.h>
-#include <febiodea/study/regions.h>
-#include <febiodea/views/study_page/study_page.h>
+#include "io/tables/text_table.h"
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/work.h"
+#include "src/base/error.h"
+#include "src/study/dose.h"
+#include "src/study/mean_map.h"
+#include "src/study/regions.h"
+#include "views/study_page/study_page.h"
 
 namespace dea::python {
 

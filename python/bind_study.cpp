@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/plain.h>
-#include <febiodea/python/work.h>
-#include <febiodea/views/ready_joints.h>
-#include <febiodea/views/study_output.h>
+#include "io/study/read_study.h"
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/plain.h"
+#include "python/work.h"
+#include "src/base/error.h"
+#include "views/ready_joints.h"
+#include "views/study_output.h"
 
 namespace dea::python {
 

@@ -1,13 +1,13 @@
-#include <febiodea/python/errors.h>
+#include "python/errors.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string>
 
-#include <febiodea/base/parse.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/python/plain.h>
+#include "python/plain.h"
+#include "src/base/parse.h"
+#include "src/model/settings_table.h"
 
 namespace dea::python {
 

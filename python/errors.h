@@ -1,11 +1,11 @@
-// febiodea/python/errors.h – faults of the user as exceptions of Python, in Python's words.
+// python/errors.h – faults of the user as exceptions of Python, in Python's words.
 #pragma once
 #include <pybind11/pybind11.h>
 
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/sentence.h>
+#include "src/base/error.h"
+#include "src/base/sentence.h"
 
 namespace dea::python {
 

@@ -1,8 +1,8 @@
-// febiodea/python/module.cpp – the compiled part of the Python module. What users import is febiodea/__init__.py.
-#include <febiodea/python/bind.h>
-#include <febiodea/python/errors.h>
-#include <febiodea/python/work.h>
-#include <febiodea/version.h>
+// python/module.cpp – the compiled part of the Python module. What users import is febiodea/__init__.py.
+#include "python/bind.h"
+#include "python/errors.h"
+#include "python/work.h"
+#include "src/version.h"
 
 PYBIND11_MODULE(_febiodea, m) {
   using namespace dea::python;

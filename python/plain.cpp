@@ -1,14 +1,14 @@
-#include <febiodea/python/plain.h>
+#include "python/plain.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/io/xplt/xplt.h>
+#include "io/files/encoded_text.h"
+#include "io/vtu/write_vtu.h"
+#include "io/xplt/xplt.h"
+#include "src/base/numbers.h"
 
 namespace dea::python {
 

@@ -1,4 +1,4 @@
-// febiodea/python/plain.h – values of ours as plain ones of Python: texts, JSON, arrays, poses.
+// python/plain.h – values of ours as plain ones of Python: texts, JSON, arrays, poses.
 //
 // An array is a look at memory of ours, which it keeps alive, and cannot be written to; what is worked out for the
 // question is an array of its own.
@@ -12,11 +12,11 @@
 #include <type_traits>
 #include <vector>
 
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/geometry/pose.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/views/data/json.h>
+#include "src/equilibrium/load_case.h"
+#include "src/geometry/pose.h"
+#include "src/model/joint_model.h"
+#include "src/results/headline.h"
+#include "views/data/json.h"
 
 namespace dea::python {
 

@@ -1,4 +1,4 @@
-// febiodea/python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never
+// python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never
 // changes.
 #pragma once
 #include <cstdint>
@@ -8,10 +8,10 @@
 #include <tuple>
 #include <vector>
 
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/prepared.h>
-#include <febiodea/views/data/run_json.h>
+#include "io/tables/read_tables.h"
+#include "src/run/analysis.h"
+#include "src/run/prepared.h"
+#include "views/data/run_json.h"
 
 namespace dea::python {
 

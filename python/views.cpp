@@ -1,11 +1,11 @@
-#include <febiodea/python/views.h>
+#include "python/views.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include <febiodea/base/names.h>
-#include <febiodea/io/files/encoded_text.h>
+#include "io/files/encoded_text.h"
+#include "src/base/names.h"
 
 namespace dea::python {
 

@@ -1,10 +1,10 @@
-// febiodea/python/views.h – places within results, for Python: each looks into memory that its owner keeps alive.
+// python/views.h – places within results, for Python: each looks into memory that its owner keeps alive.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/python/plain.h>
-#include <febiodea/python/stages.h>
+#include "python/plain.h"
+#include "python/stages.h"
 
 namespace dea::python {
 

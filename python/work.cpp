@@ -1,11 +1,11 @@
-#include <febiodea/python/work.h>
+#include "python/work.h"
 
 #include <atomic>
 #include <chrono>
 #include <set>
 #include <thread>
 
-#include <febiodea/io/files/system.h>
+#include "io/files/system.h"
 
 namespace dea::python {
 

@@ -1,4 +1,4 @@
-// febiodea/python/work.h – long work while Python goes on: without its lock, ended by Ctrl-C, told of on the way.
+// python/work.h – long work while Python goes on: without its lock, ended by Ctrl-C, told of on the way.
 #pragma once
 #include <pybind11/pybind11.h>
 
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/stop.h>
-#include <febiodea/run/analysis.h>
+#include "src/base/stop.h"
+#include "src/run/analysis.h"
 
 namespace dea::python {
 

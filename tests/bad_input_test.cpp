@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "program.h"
+#include "tests/program.h"
 
 namespace dea::bad_input_test {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <set>
 
-#include "program.h"
+#include "tests/program.h"
 
 namespace dea::corpus_test {
 

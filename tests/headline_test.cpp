@@ -1,5 +1,5 @@
 // The one set of numbers that stands for a pressure map: on paper, and the same digits wherever it is printed.
-#include <febiodea/results/headline.h>
+#include "src/results/headline.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,12 +10,12 @@
 #include <numbers>
 #include <sstream>
 
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/views/data/json.h>
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/text/table.h>
+#include "io/results/result_file.h"
+#include "views/data/json.h"
+#include "views/map/map_figure.h"
+#include "views/text/table.h"
 
-#include "program.h"
+#include "tests/program.h"
 
 namespace dea::headline_test {
 

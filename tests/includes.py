@@ -23,13 +23,13 @@ def name(file):
     return path[4:] if path.startswith("src/") else path
 
 
-files = [f for folder in ("src", "io", "views", "app", *ASIDE) for f in sorted((source / folder).rglob("*"))
-         if f.suffix in (".h", ".cpp") and f.name != "febiodea.h"]
+files = [f for folder in ("src", "io", "views", "app", *ASIDE) for f in sorted((source / folder).rglob("*")) if f.suffix in (".h", ".cpp")]
 faults, graph = [], {}
 for file in files:
     text = file.read_text()
-    if re.search(r'^#include "', text, re.M):
-        faults.append(f"{name(file)}: an include in quotes; write <febiodea/...> in full")
+    for other in re.findall(r'^#include "([^"]+)"', text, re.M):
+        if not (source / other).is_file():
+            faults.append(f"{name(file)} includes {other}: no file of the tree, seen from its root")
     if re.search(r"^#include <sqlite3\.h>", text, re.M) and not name(file).startswith("io/study/"):
         faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
     if name(file) not in POSIX and not name(file).startswith("plugin/"):
@@ -37,9 +37,7 @@ for file in files:
         calls = re.findall(r"(?<![\w:>])::[a-z]\w* ?\(", re.sub(r"//.*", "", text))  # ::open(
         for found in [h for h in headers if h not in LIBRARIES] + calls:
             faults.append(f"{name(file)} has {found}: only {' and '.join(sorted(POSIX))} know POSIX")
-    for other in re.findall(r"^#include <febiodea/([^>]+)>", text, re.M):
-        if "/" not in other:
-            continue  # version.h
+    for other in re.findall(r'^#include "(?:src/(?!version\.h))?(?!src/)([^"]+)"', text, re.M):
         if floor(other) > floor(name(file)):
             faults.append(f"{name(file)} includes {other}, which is a floor higher")
         own = name(file).split("/")[0]

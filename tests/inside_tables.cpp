@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/inside_cases.h"
+#include "tests/src/inside_cases.h"
 
 namespace dea::test {
 namespace {

@@ -10,13 +10,13 @@
 #include <memory>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/views/text/remarks.h>
-#include "program.h"
-#include "src/test_models.h"
+#include "io/feb/read_feb.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/run/analysis.h"
+#include "tests/program.h"
+#include "tests/src/test_models.h"
+#include "views/text/remarks.h"
 
 namespace dea::known_answers_test {
 

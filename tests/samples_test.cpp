@@ -7,14 +7,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/convergence.h>
-#include <febiodea/run/states.h>
-#include "analytic/concentric_spheres.h"
-#include "analytic/sphere_on_flat.h"
-#include "program.h"
-#include "src/test_models.h"
+#include "io/feb/read_feb.h"
+#include "src/run/analysis.h"
+#include "src/run/convergence.h"
+#include "src/run/states.h"
+#include "tests/analytic/concentric_spheres.h"
+#include "tests/analytic/sphere_on_flat.h"
+#include "tests/program.h"
+#include "tests/src/test_models.h"
 
 namespace dea::samples_test {
 

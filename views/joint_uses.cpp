@@ -1,11 +1,11 @@
-#include <febiodea/views/joint_uses.h>
+#include "views/joint_uses.h"
 
 #include <functional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/views/ready_joints.h>
+#include "io/settings/settings_xml.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "views/ready_joints.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/joint_uses.h – how often the joints of a study's cases are still wanted.
+// views/joint_uses.h – how often the joints of a study's cases are still wanted.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/study/plan.h>
+#include "src/study/plan.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-#include <febiodea/views/memory.h>
+#include "views/memory.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/say.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/run/cost.h>
+#include "io/files/free_memory.h"
+#include "src/base/error.h"
+#include "src/base/say.h"
+#include "src/run/cost.h"
 
 namespace dea {
 

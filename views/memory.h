@@ -1,9 +1,9 @@
-// febiodea/views/memory.h – will the springs fit in this machine's memory?
+// views/memory.h – will the springs fit in this machine's memory?
 #pragma once
 #include <string>
 
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/run/recognise.h>
+#include "io/settings/setting_words.h"
+#include "src/run/recognise.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/ready_joints.h>
+#include "views/ready_joints.h"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,15 @@
 #include <functional>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/stop.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/run/cost.h>
-#include <febiodea/run/states.h>
-#include <febiodea/views/text/remarks.h>
+#include "io/feb/read_feb.h"
+#include "io/files/free_memory.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "src/base/stop.h"
+#include "src/model/settings_table.h"
+#include "src/run/cost.h"
+#include "src/run/states.h"
+#include "views/text/remarks.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/ready_joints.h – joints read, recognised and factorised once, for all cases that differ only in how
+// views/ready_joints.h – joints read, recognised and factorised once, for all cases that differ only in how
 // they are placed, loaded and moved.
 #pragma once
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/run/analysis.h>
+#include "src/run/analysis.h"
 
 namespace dea {
 

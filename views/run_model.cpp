@@ -1,5 +1,5 @@
 // From a model to results in files.
-#include <febiodea/views/run_model.h>
+#include "views/run_model.h"
 
 #include <fmt/format.h>
 
@@ -7,16 +7,16 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/spool.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/views/data/run_csv.h>
-#include <febiodea/views/text/remarks.h>
+#include "io/files/output.h"
+#include "io/files/spool.h"
+#include "io/results/plot_file.h"
+#include "io/vtu/write_vtu.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
+#include "views/data/run_csv.h"
+#include "views/text/remarks.h"
 
 namespace dea {
 

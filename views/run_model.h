@@ -1,13 +1,13 @@
-// febiodea/views/run_model.h – a model that has been read, to results in files: what `dea run` and FEBio's task share.
+// views/run_model.h – a model that has been read, to results in files: what `dea run` and FEBio's task share.
 #pragma once
 #include <functional>
 #include <string>
 
-#include <febiodea/io/settings/output_options.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/states.h>
-#include <febiodea/views/data/run_json.h>
+#include "io/settings/output_options.h"
+#include "io/xplt/xplt.h"
+#include "src/run/analysis.h"
+#include "src/run/states.h"
+#include "views/data/run_json.h"
 
 namespace dea {
 

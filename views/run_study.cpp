@@ -1,4 +1,4 @@
-#include <febiodea/views/run_study.h>
+#include "views/run_study.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -14,17 +14,17 @@
 #include <system_error>
 #include <thread>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/views/joint_uses.h>
-#include <febiodea/views/ready_joints.h>
-#include <febiodea/views/run_model.h>
-#include <febiodea/views/text/remarks.h>
+#include "io/feb/read_feb.h"
+#include "io/files/output.h"
+#include "io/results/plot_file.h"
+#include "io/settings/settings_xml.h"
+#include "io/tables/read_tables.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/joint_uses.h"
+#include "views/ready_joints.h"
+#include "views/run_model.h"
+#include "views/text/remarks.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/views/run_study.h – the cases of a plan solved, several at a time.
+// views/run_study.h – the cases of a plan solved, several at a time.
 #pragma once
 #include <functional>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/stop.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/study/case.h>
-#include <febiodea/study/plan.h>
+#include "io/settings/setting_words.h"
+#include "src/base/stop.h"
+#include "src/study/case.h"
+#include "src/study/plan.h"
 
 namespace dea {
 

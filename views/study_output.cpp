@@ -1,14 +1,14 @@
-#include <febiodea/views/study_output.h>
+#include "views/study_output.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/study/database.h>
-#include <febiodea/io/study/read_study.h>
+#include "io/study/database.h"
+#include "io/study/read_study.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/views/study_output.h – a study's file opened, gone on with, and filled with the cases it lacks.
+// views/study_output.h – a study's file opened, gone on with, and filled with the cases it lacks.
 #pragma once
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/held_outputs.h>
-#include <febiodea/views/study_request.h>
-#include <febiodea/views/study_shards.h>
+#include "io/files/held_outputs.h"
+#include "views/study_request.h"
+#include "views/study_shards.h"
 
 namespace dea {
 

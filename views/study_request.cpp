@@ -1,4 +1,4 @@
-#include <febiodea/views/study_request.h>
+#include "views/study_request.h"
 
 #include <fmt/format.h>
 #include <tbb/info.h>
@@ -10,19 +10,19 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/job_limits.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/io/study/study_schema.h>
-#include <febiodea/io/tables/read_tables.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/run/states.h>
-#include <febiodea/version.h>
+#include "io/feb/read_feb.h"
+#include "io/files/free_memory.h"
+#include "io/files/job_limits.h"
+#include "io/settings/settings_xml.h"
+#include "io/study/study_schema.h"
+#include "io/tables/read_tables.h"
+#include "io/tables/text_table.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
+#include "src/run/states.h"
+#include "src/version.h"
 
 namespace dea {
 

@@ -1,15 +1,15 @@
-// febiodea/views/study_request.h – from what is asked of a study, by whatever front end, to what is solved.
+// views/study_request.h – from what is asked of a study, by whatever front end, to what is solved.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/study/study_file.h>
-#include <febiodea/study/plan.h>
-#include <febiodea/views/run_study.h>
+#include "io/files/output.h"
+#include "io/study/study_file.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/study/plan.h"
+#include "views/run_study.h"
 
 namespace dea {
 

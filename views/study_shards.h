@@ -1,4 +1,4 @@
-// febiodea/views/study_shards.h – one of several parts of a study, as it was said or as a cluster says.
+// views/study_shards.h – one of several parts of a study, as it was said or as a cluster says.
 #pragma once
 #include <string>
 

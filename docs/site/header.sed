@@ -1,3 +1,3 @@
-1s,^// febiodea/febiodea\.h – ,/// \\mainpage FEBioDEA: the C++ library\n/// ,
-1s,^// febiodea/[^ ]* – ,/// \\file\n/// ,
+1s,^// include/febiodea/febiodea\.h – ,/// \\mainpage FEBioDEA: the C++ library\n/// ,
+1s,^// [a-z]*/[^ ]* – ,/// \\file\n/// ,
 2,/^[^/]/s,^//\( \|$\),/// ,

@@ -43,10 +43,8 @@ def gather(work):
 
 def cpp_reference(build, work):
     """Of the headers that are installed, by doxygen."""
-    include = build / "include"
-    inputs = [include / "febiodea" / place for place in
-              ("febiodea.h", "version.h", "io", *sorted(folder.name for folder in (SOURCE / "src").iterdir() if folder.is_dir()))]
-    settings = [(HERE / "Doxyfile").read_text(), *(f'INPUT += "{path}"' for path in inputs), f'STRIP_FROM_PATH = "{include}"',
+    inputs = [SOURCE / "include", *sorted(folder for folder in (SOURCE / "src").iterdir() if folder.is_dir()), SOURCE / "io"]
+    settings = [(HERE / "Doxyfile").read_text(), *(f'INPUT += "{path}"' for path in inputs), f'STRIP_FROM_PATH = "{SOURCE}"',
                 f'INPUT_FILTER = "sed -f {HERE}/header.sed"', f'OUTPUT_DIRECTORY = "{work}/pages/reference"']
     run("doxygen", "-", input="\n".join(settings))
 

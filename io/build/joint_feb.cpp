@@ -1,8 +1,8 @@
-#include <febiodea/io/build/joint_feb.h>
+#include "io/build/joint_feb.h"
 
 #include <fmt/format.h>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/io/build/joint_feb.h – a joint made of surfaces, as a model file that FEBio and dea solve.
+// io/build/joint_feb.h – a joint made of surfaces, as a model file that FEBio and dea solve.
 #pragma once
 #include <string>
 
-#include <febiodea/build/built_joint.h>
+#include "src/build/built_joint.h"
 
 namespace dea {
 

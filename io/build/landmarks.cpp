@@ -1,4 +1,4 @@
-#include <febiodea/io/build/landmarks.h>
+#include "io/build/landmarks.h"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/text_table.h>
+#include "io/febio/febio_text.h"
+#include "io/files/free_memory.h"
+#include "io/files/output.h"
+#include "io/tables/text_table.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/io/build/landmarks.h – landmarks from tables, and frames as a settings file.
+// io/build/landmarks.h – landmarks from tables, and frames as a settings file.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/build/frames.h>
+#include "src/build/frames.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/convert/conversion_plan.h>
+#include "io/convert/conversion_plan.h"
 
 #include <algorithm>
 #include <array>
@@ -7,14 +7,14 @@
 #include <set>
 #include <unordered_map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/symmetry_planes.h>
-#include <febiodea/run/analysis.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/equilibrium/load_case.h"
+#include "src/joint/bodies.h"
+#include "src/joint/symmetry_planes.h"
+#include "src/run/analysis.h"
 
 namespace dea {
 

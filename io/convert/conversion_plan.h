@@ -1,10 +1,10 @@
-// febiodea/io/convert/conversion_plan.h – what a conversion changes, before it is written in one way or the other.
+// io/convert/conversion_plan.h – what a conversion changes, before it is written in one way or the other.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/convert/linear_solver.h>
-#include <febiodea/joint/joint.h>
+#include "io/convert/linear_solver.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

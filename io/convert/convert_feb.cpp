@@ -1,4 +1,4 @@
-#include <febiodea/io/convert/convert_feb.h>
+#include "io/convert/convert_feb.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <iterator>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/convert/conversion_plan.h>
-#include <febiodea/io/convert/edit_feb.h>
-#include <febiodea/io/convert/write_feb.h>
-#include <febiodea/io/convert/xml_places.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/joint/surface_names.h>
+#include "io/convert/conversion_plan.h"
+#include "io/convert/edit_feb.h"
+#include "io/convert/write_feb.h"
+#include "io/convert/xml_places.h"
+#include "src/base/error.h"
+#include "src/joint/placing.h"
+#include "src/joint/surface_names.h"
 
 namespace dea {
 

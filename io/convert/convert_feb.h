@@ -1,4 +1,4 @@
-// febiodea/io/convert/convert_feb.h – a FEBio model of a joint becomes one for the contact type dea of the plugin.
+// io/convert/convert_feb.h – a FEBio model of a joint becomes one for the contact type dea of the plugin.
 //
 // The cartilage becomes rigid with its bone; its modulus and thickness, and all that make_joint found, become those of
 // the contact (docs/convert.md).
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/joint/joint.h>
+#include "src/joint/joint.h"
 
 namespace dea {
 

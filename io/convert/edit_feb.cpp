@@ -1,14 +1,14 @@
-#include <febiodea/io/convert/edit_feb.h>
+#include "io/convert/edit_feb.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/convert/write_feb.h>
-#include <febiodea/io/feb/feb_xml.h>
-#include <febiodea/io/files/encoded_text.h>
+#include "io/convert/write_feb.h"
+#include "io/feb/feb_xml.h"
+#include "io/files/encoded_text.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/io/convert/edit_feb.h – a converted joint as the model's own text with a few elements changed.
+// io/convert/edit_feb.h – a converted joint as the model's own text with a few elements changed.
 #pragma once
 #include <optional>
 #include <string>
 
-#include <febiodea/io/convert/conversion_plan.h>
+#include "io/convert/conversion_plan.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/convert/linear_solver.h>
+#include "io/convert/linear_solver.h"
 
 #include <algorithm>
 #include <array>

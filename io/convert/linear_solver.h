@@ -1,4 +1,4 @@
-// febiodea/io/convert/linear_solver.h – FEBio's linear solvers, as far as a converted model has to know them.
+// io/convert/linear_solver.h – FEBio's linear solvers, as far as a converted model has to know them.
 #pragma once
 #include <string>
 #include <vector>

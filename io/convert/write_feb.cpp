@@ -1,4 +1,4 @@
-#include <febiodea/io/convert/write_feb.h>
+#include "io/convert/write_feb.h"
 
 #include <fmt/format.h>
 
@@ -9,12 +9,12 @@
 #include <numeric>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/feb/feb_xml.h>
-#include <febiodea/io/febio/symmetry_words.h>
-#include <febiodea/io/files/encoded_text.h>
+#include "io/feb/feb_xml.h"
+#include "io/febio/symmetry_words.h"
+#include "io/files/encoded_text.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/io/convert/write_feb.h – a converted joint as FEBio XML, version 4.0: a whole file, or the pieces that an
+// io/convert/write_feb.h – a converted joint as FEBio XML, version 4.0: a whole file, or the pieces that an
 // edit puts in.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/convert/conversion_plan.h>
-#include <febiodea/io/convert/xml_places.h>
+#include "io/convert/conversion_plan.h"
+#include "io/convert/xml_places.h"
 
 namespace dea {
 

@@ -1,5 +1,5 @@
-#include <febiodea/io/convert/xml_places.h>
-#include <febiodea/io/files/encoded_text.h>
+#include "io/convert/xml_places.h"
+#include "io/files/encoded_text.h"
 
 #include <algorithm>
 #include <cstdlib>

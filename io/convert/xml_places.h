@@ -1,4 +1,4 @@
-// febiodea/io/convert/xml_places.h – where every XML element of a text begins and ends, and edits by these places.
+// io/convert/xml_places.h – where every XML element of a text begins and ends, and edits by these places.
 //
 // For changing a few elements of a file whose other bytes must stay as they are: line ends, encoding, comments, the way
 // numbers are written. The text has been read before (io/feb), so it is known to be well-formed.

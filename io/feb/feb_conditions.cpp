@@ -6,10 +6,10 @@
 #include <map>
 #include <numbers>
 
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/io/febio/known_words.h>
-#include <febiodea/io/febio/symmetry_words.h>
-#include <febiodea/model/load_curve.h>
+#include "io/feb/feb_reading.h"
+#include "io/febio/known_words.h"
+#include "io/febio/symmetry_words.h"
+#include "src/model/load_curve.h"
 
 namespace dea::feb {
 namespace {

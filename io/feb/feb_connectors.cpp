@@ -1,7 +1,7 @@
 // Constraints that join rigid bodies: where they stand, and in which steps they act. What they are: io/febio.
 #include <fmt/format.h>
 
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
 
 namespace dea::feb {
 

@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/io/febio/febio_material.h>
-#include <febiodea/io/febio/known_words.h>
-#include <febiodea/model/load_curve.h>
+#include "io/feb/feb_reading.h"
+#include "io/febio/febio_material.h"
+#include "io/febio/known_words.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/model/load_curve.h"
 
 namespace dea::feb {
 namespace {

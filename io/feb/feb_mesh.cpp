@@ -8,9 +8,9 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/model/element_faces.h>
+#include "io/feb/feb_reading.h"
+#include "src/base/error.h"
+#include "src/model/element_faces.h"
 
 namespace dea::feb {
 namespace {

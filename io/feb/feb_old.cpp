@@ -4,8 +4,8 @@
 #include <map>
 #include <tuple>
 
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/io/febio/known_words.h>
+#include "io/feb/feb_reading.h"
+#include "io/febio/known_words.h"
 
 namespace dea::feb {
 namespace {

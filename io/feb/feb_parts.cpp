@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
 
 namespace dea::feb {
 namespace {

@@ -1,11 +1,11 @@
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea::feb {
 bool IdTable::add(int id) {

@@ -1,4 +1,4 @@
-// febiodea/io/feb/feb_reading.h – what is known while a .feb file is read, and the parts every version shares.
+// io/feb/feb_reading.h – what is known while a .feb file is read, and the parts every version shares.
 //
 // A version of the format is a `Rules`: what its sections mean. To add a version, add one file with its
 // rules and list it in read_feb.cpp.
@@ -18,11 +18,11 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/names.h>
-#include <febiodea/io/feb/feb_xml.h>
-#include <febiodea/io/febio/component.h>
-#include <febiodea/io/febio/interpret.h>
-#include <febiodea/model/joint_model.h>
+#include "io/feb/feb_xml.h"
+#include "io/febio/component.h"
+#include "io/febio/interpret.h"
+#include "src/base/names.h"
+#include "src/model/joint_model.h"
 
 namespace dea::feb {
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/io/febio/known_words.h>
-#include <febiodea/model/load_curve.h>
+#include "io/feb/feb_reading.h"
+#include "io/febio/known_words.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/model/load_curve.h"
 
 namespace dea::feb {
 namespace {

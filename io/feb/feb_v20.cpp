@@ -1,7 +1,7 @@
 // What is special in version 2.0: facets and nodes listed inside contacts and conditions, or named by `set`.
 #include <fmt/format.h>
 
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
 
 namespace dea::feb {
 namespace {

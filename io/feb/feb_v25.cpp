@@ -1,7 +1,7 @@
 // What is special in version 2.5: Boundary holds rigid bodies too, Rx is a rotation, numbers name materials.
 #include <fmt/format.h>
 
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
 
 namespace dea::feb {
 namespace {

@@ -1,8 +1,8 @@
 // What is special in version 4.0: bc types in words, one flag per fixed dof, rigid_bc and rigid_load.
 #include <fmt/format.h>
 
-#include <febiodea/io/feb/feb_reading.h>
-#include <febiodea/io/febio/known_words.h>
+#include "io/feb/feb_reading.h"
+#include "io/febio/known_words.h"
 
 namespace dea::feb {
 namespace {

@@ -1,4 +1,4 @@
-#include <febiodea/io/feb/feb_xml.h>
+#include "io/feb/feb_xml.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/free_memory.h>
+#include "io/files/free_memory.h"
+#include "src/base/error.h"
 
 namespace dea::feb {
 namespace {

@@ -1,4 +1,4 @@
-// febiodea/io/feb/feb_xml.h – the syntax all .feb versions share: XML elements.
+// io/feb/feb_xml.h – the syntax all .feb versions share: XML elements.
 #pragma once
 #include <tinyxml2.h>
 
@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/model/joint_model.h>
+#include "io/febio/febio_text.h"
+#include "src/model/joint_model.h"
 
 namespace dea::feb {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/feb/read_feb.h>
+#include "io/feb/read_feb.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/feb_reading.h>
+#include "io/feb/feb_reading.h"
+#include "src/base/error.h"
 
 namespace dea {
 namespace feb {

@@ -1,8 +1,8 @@
-// febiodea/io/feb/read_feb.h – a FEBio model file becomes a JointModel.
+// io/feb/read_feb.h – a FEBio model file becomes a JointModel.
 #pragma once
 #include <string>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-#include <febiodea/io/febio/component.h>
+#include "io/febio/component.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
 
 namespace dea::febio {
 

@@ -1,4 +1,4 @@
-// febiodea/io/febio/component.h – an element of FEBio's as a value: what a .feb file says (io/feb), or what FEBio's own
+// io/febio/component.h – an element of FEBio's as a value: what a .feb file says (io/feb), or what FEBio's own
 // model would say if it were written to one (plugin). What it means stands in interpret.h.
 #pragma once
 #include <initializer_list>
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <febiodea/io/febio/febio_rules.h>
-#include <febiodea/model/joint_model.h>
+#include "io/febio/febio_rules.h"
+#include "src/model/joint_model.h"
 
 namespace dea::febio {
 

@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/io/febio/interpret.h>
-#include <febiodea/model/load_curve.h>
+#include "io/febio/interpret.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/model/load_curve.h"
 
 namespace dea::febio {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/febio/interpret.h>
+#include "io/febio/interpret.h"
+#include "src/base/numbers.h"
 
 namespace dea::febio {
 namespace {

@@ -1,9 +1,9 @@
 // Springs between nodes: what a discrete material says of them.
 #include <fmt/format.h>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/febio/interpret.h>
-#include <febiodea/model/load_curve.h>
+#include "io/febio/interpret.h"
+#include "src/base/error.h"
+#include "src/model/load_curve.h"
 
 namespace dea::febio {
 namespace {

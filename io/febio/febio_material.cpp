@@ -1,5 +1,5 @@
 // FEBio's materials reduced to small-strain E and nu.
-#include <febiodea/io/febio/febio_material.h>
+#include "io/febio/febio_material.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <initializer_list>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/febio/febio_rules.h>
-#include <febiodea/io/febio/known_words.h>
+#include "io/febio/febio_rules.h"
+#include "io/febio/known_words.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

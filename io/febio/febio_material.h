@@ -1,4 +1,4 @@
-// febiodea/io/febio/febio_material.h – FEBio's materials reduced to small-strain E and nu, whoever brings them: a .feb
+// io/febio/febio_material.h – FEBio's materials reduced to small-strain E and nu, whoever brings them: a .feb
 // file (io/feb) or FEBio's own model (plugin).
 #pragma once
 #include <limits>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,16 +1,16 @@
 // What FEBio's words mean for DEA.
-#include <febiodea/io/febio/febio_rules.h>
+#include "io/febio/febio_rules.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/geometry/surface_mesh.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
+#include "src/geometry/surface_mesh.h"
+#include "src/model/load_curve.h"
 
 namespace dea::febio {
 

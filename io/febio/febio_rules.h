@@ -1,4 +1,4 @@
-// febiodea/io/febio/febio_rules.h – what FEBio's words mean for DEA, whoever brings them: a .feb file (io/feb) or
+// io/febio/febio_rules.h – what FEBio's words mean for DEA, whoever brings them: a .feb file (io/feb) or
 // FEBio's own model (plugin).
 #pragma once
 #include <array>
@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/model/joint_model.h>
+#include "io/febio/febio_text.h"
+#include "src/model/joint_model.h"
 
 namespace dea::febio {
 

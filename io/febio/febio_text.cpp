@@ -1,4 +1,4 @@
-#include <febiodea/io/febio/febio_text.h>
+#include "io/febio/febio_text.h"
 
 #include <charconv>
 #include <cmath>

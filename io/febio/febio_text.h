@@ -1,4 +1,4 @@
-// febiodea/io/febio/febio_text.h – FEBio's way to write numbers, lists and words.
+// io/febio/febio_text.h – FEBio's way to write numbers, lists and words.
 #pragma once
 #include <optional>
 #include <string>

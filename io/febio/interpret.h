@@ -1,4 +1,4 @@
-// febiodea/io/febio/interpret.h – what FEBio's components mean for DEA, with FEBio's defaults for what they leave out:
+// io/febio/interpret.h – what FEBio's components mean for DEA, with FEBio's defaults for what they leave out:
 // the one place that says so, whoever brings the components.
 //
 // Each function adds conditions to the draft's model, one for each of `steps` (-1: active in all steps). It throws
@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include <febiodea/io/febio/component.h>
+#include "io/febio/component.h"
 
 namespace dea::febio {
 

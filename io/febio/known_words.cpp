@@ -1,10 +1,10 @@
-#include <febiodea/io/febio/known_words.h>
+#include "io/febio/known_words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include <febiodea/base/names.h>
+#include "src/base/names.h"
 
 namespace dea::febio {
 namespace {

@@ -1,4 +1,4 @@
-// febiodea/io/febio/known_words.h – the parameters that FEBio knows in a material, condition, contact or controller:
+// io/febio/known_words.h – the parameters that FEBio knows in a material, condition, contact or controller:
 // those that DEA takes and those that it does not need. What is neither is told, or refused if one that DEA takes may
 // be meant.
 #pragma once
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <febiodea/io/febio/component.h>
+#include "io/febio/component.h"
 
 namespace dea::febio {
 

@@ -1,11 +1,11 @@
-#include <febiodea/io/febio/symmetry_words.h>
+#include "io/febio/symmetry_words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/parse.h>
+#include "src/base/parse.h"
 
 namespace dea::febio {
 

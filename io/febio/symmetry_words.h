@@ -1,11 +1,11 @@
-// febiodea/io/febio/symmetry_words.h – planes of symmetry as a contact of type "dea" states them: "x=0, y=-12.5".
+// io/febio/symmetry_words.h – planes of symmetry as a contact of type "dea" states them: "x=0, y=-12.5".
 #pragma once
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea::febio {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/encoded_text.h>
+#include "io/files/encoded_text.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// febiodea/io/files/encoded_text.h – bytes and names as text inside other text.
+// io/files/encoded_text.h – bytes and names as text inside other text.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/existing_model.h>
+#include "io/files/existing_model.h"
 
 #include <algorithm>
 #include <filesystem>

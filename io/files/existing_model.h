@@ -1,4 +1,4 @@
-// febiodea/io/files/existing_model.h – a model that is there already: may another one take its place unasked?
+// io/files/existing_model.h – a model that is there already: may another one take its place unasked?
 #pragma once
 #include <string>
 #include <string_view>

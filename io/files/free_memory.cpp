@@ -1,4 +1,4 @@
-#include <febiodea/io/files/free_memory.h>
+#include "io/files/free_memory.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/job_limits.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/job_limits.h"
+#include "io/files/system.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/files/free_memory.h – the memory that is free, and files read whole within it.
+// io/files/free_memory.h – the memory that is free, and files read whole within it.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/held_outputs.h>
+#include "io/files/held_outputs.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/system.h"
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/io/files/held_outputs.h – output files that one command at a time works for.
+// io/files/held_outputs.h – output files that one command at a time works for.
 #pragma once
 #include <memory>
 #include <vector>
 
-#include <febiodea/io/files/output.h>
+#include "io/files/output.h"
 
 namespace dea {
 

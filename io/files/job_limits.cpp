@@ -1,4 +1,4 @@
-#include <febiodea/io/files/job_limits.h>
+#include "io/files/job_limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

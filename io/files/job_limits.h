@@ -1,4 +1,4 @@
-// febiodea/io/files/job_limits.h – what control groups and batch systems leave a process.
+// io/files/job_limits.h – what control groups and batch systems leave a process.
 #pragma once
 #include <string>
 

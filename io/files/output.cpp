@@ -1,4 +1,4 @@
-#include <febiodea/io/files/output.h>
+#include "io/files/output.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/system.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
+// io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/packed_bytes.h>
+#include "io/files/packed_bytes.h"
 
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-// febiodea/io/files/packed_bytes.h – bytes as a zlib stream.
+// io/files/packed_bytes.h – bytes as a zlib stream.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,12 +1,12 @@
-#include <febiodea/io/files/spool.h>
+#include "io/files/spool.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <utility>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/output.h"
+#include "io/files/system.h"
 
 namespace dea {
 

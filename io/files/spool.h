@@ -1,4 +1,4 @@
-// febiodea/io/files/spool.h – bytes that wait on disk until what they are part of is complete.
+// io/files/spool.h – bytes that wait on disk until what they are part of is complete.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/system.h>
+#include "io/files/system.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <system_error>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/files/system.h – what the operating system is asked for: files, their locks, this process. Other sources
+// io/files/system.h – what the operating system is asked for: files, their locks, this process. Other sources
 // include no header of POSIX, but app/process.cpp (tests/includes.py).
 #pragma once
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <febiodea/io/files/unit_names.h>
+#include "io/files/unit_names.h"
 
 namespace dea {
 

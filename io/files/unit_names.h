@@ -1,4 +1,4 @@
-// febiodea/io/files/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
+// io/files/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
 #pragma once
 #include <string>
 #include <vector>

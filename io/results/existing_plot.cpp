@@ -1,4 +1,4 @@
-#include <febiodea/io/results/existing_plot.h>
+#include "io/results/existing_plot.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/xplt/xplt.h>
+#include "io/results/plot_file.h"
+#include "io/xplt/xplt.h"
+#include "src/base/error.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/io/results/existing_plot.h – a plot file that is there already: may another one take its place unasked?
+// io/results/existing_plot.h – a plot file that is there already: may another one take its place unasked?
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

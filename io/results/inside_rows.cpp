@@ -1,4 +1,4 @@
-#include <febiodea/io/results/inside_rows.h>
+#include "io/results/inside_rows.h"
 
 #include <fmt/format.h>
 
@@ -8,14 +8,14 @@
 #include <cmath>
 #include <optional>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/model/element_columns.h>
-#include <febiodea/model/element_faces.h>
-#include <febiodea/results/inside_numbers.h>
+#include "src/base/decompositions.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "src/model/element_columns.h"
+#include "src/model/element_faces.h"
+#include "src/results/inside_numbers.h"
 
 namespace dea {
 

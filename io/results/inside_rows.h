@@ -1,10 +1,10 @@
-// febiodea/io/results/inside_rows.h – stress and strain of the rows of elements under a surface, from a plot file of
+// io/results/inside_rows.h – stress and strain of the rows of elements under a surface, from a plot file of
 // whatever program.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/result_file.h>
+#include "io/results/result_file.h"
 
 namespace dea {
 

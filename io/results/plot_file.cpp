@@ -1,4 +1,4 @@
-#include <febiodea/io/results/plot_file.h>
+#include "io/results/plot_file.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/version.h>
+#include "src/base/numbers.h"
+#include "src/version.h"
 
 namespace dea {
 

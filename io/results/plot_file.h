@@ -1,8 +1,8 @@
-// febiodea/io/results/plot_file.h – results as a plot file that lies beside FEBio's own: same mesh, names and order.
+// io/results/plot_file.h – results as a plot file that lies beside FEBio's own: same mesh, names and order.
 #pragma once
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/check.h>
+#include "io/xplt/xplt.h"
+#include "src/run/analysis.h"
+#include "src/run/check.h"
 
 namespace dea {
 

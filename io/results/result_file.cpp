@@ -1,4 +1,4 @@
-#include <febiodea/io/results/result_file.h>
+#include "io/results/result_file.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/io/results/result_file.h – a plot file of whatever program as the plain structs of src/results/comparison.h.
+// io/results/result_file.h – a plot file of whatever program as the plain structs of src/results/comparison.h.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/results/comparison.h>
+#include "io/xplt/xplt.h"
+#include "src/results/comparison.h"
 
 namespace dea {
 

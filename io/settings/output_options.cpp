@@ -1,4 +1,4 @@
-#include <febiodea/io/settings/output_options.h>
+#include "io/settings/output_options.h"
 
 #include <fmt/format.h>
 

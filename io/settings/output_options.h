@@ -1,11 +1,11 @@
-// febiodea/io/settings/output_options.h – the files a run writes and the states in them: what command line, settings
+// io/settings/output_options.h – the files a run writes and the states in them: what command line, settings
 // file and FEBio's task may say of them. A new file is a member of OutputSettings, a row of output_options and what
 // run_model (views/run_model.h) writes.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/output.h>
+#include "io/files/output.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/io/settings/setting_words.h>
+#include "io/settings/setting_words.h"
 
 #include <string>
 
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/settings/settings_xml.h>
+#include "io/files/encoded_text.h"
+#include "io/settings/settings_xml.h"
 
 namespace dea {
 

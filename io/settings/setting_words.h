@@ -1,6 +1,6 @@
-// febiodea/io/settings/setting_words.h – settings as a user types them: on the command line, in a settings file.
+// io/settings/setting_words.h – settings as a user types them: on the command line, in a settings file.
 #pragma once
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 namespace dea {
 

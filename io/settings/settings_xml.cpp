@@ -1,4 +1,4 @@
-#include <febiodea/io/settings/settings_xml.h>
+#include "io/settings/settings_xml.h"
 
 #include <fmt/format.h>
 #include <tinyxml2.h>
@@ -7,11 +7,11 @@
 #include <optional>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/run/states.h>
+#include "io/files/free_memory.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "src/run/states.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/io/settings/settings_xml.h – settings as text: one word of the command line, and the settings file.
+// io/settings/settings_xml.h – settings as text: one word of the command line, and the settings file.
 #pragma once
 #include <string>
 
-#include <febiodea/io/settings/output_options.h>
-#include <febiodea/model/settings_table.h>
+#include "io/settings/output_options.h"
+#include "src/model/settings_table.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/study/database.h>
+#include "io/study/database.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea {
 

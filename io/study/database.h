@@ -1,4 +1,4 @@
-// febiodea/io/study/database.h – SQLite, as far as the file of a study needs it. The one place that knows its errors.
+// io/study/database.h – SQLite, as far as the file of a study needs it. The one place that knows its errors.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/study/database.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/io/study/study_file.h>
-#include <febiodea/io/study/study_schema.h>
+#include "io/study/database.h"
+#include "io/study/read_study.h"
+#include "io/study/study_file.h"
+#include "io/study/study_schema.h"
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/study/read_study.h>
+#include "io/study/read_study.h"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <fstream>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/io/study/database.h>
-#include <febiodea/io/study/reading.h>
-#include <febiodea/io/study/study_schema.h>
+#include "io/study/database.h"
+#include "io/study/reading.h"
+#include "io/study/study_schema.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-// febiodea/io/study/read_study.h – a study's file as others left it, also while another program adds cases to it.
+// io/study/read_study.h – a study's file as others left it, also while another program adds cases to it.
 #pragma once
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/study/study_busy.h>
-#include <febiodea/io/study/study_file.h>
+#include "io/study/study_busy.h"
+#include "io/study/study_file.h"
 
 namespace dea {
 

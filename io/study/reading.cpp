@@ -1,8 +1,8 @@
-#include <febiodea/io/study/reading.h>
+#include "io/study/reading.h"
 
 #include <cstdint>
 
-#include <febiodea/io/study/study_schema.h>
+#include "io/study/study_schema.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/study/reading.h – a study's file opened to be read, its faults as InputError, other programs as
+// io/study/reading.h – a study's file opened to be read, its faults as InputError, other programs as
 // StudyBusy. For the sources of this folder.
 #pragma once
 #include <cstring>
@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/packed_bytes.h>
-#include <febiodea/io/study/database.h>
-#include <febiodea/io/study/study_busy.h>
+#include "io/files/packed_bytes.h"
+#include "io/study/database.h"
+#include "io/study/study_busy.h"
+#include "src/base/error.h"
 
 namespace dea {
 

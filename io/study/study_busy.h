@@ -1,6 +1,6 @@
-// febiodea/io/study/study_busy.h – a study's file that another program holds.
+// io/study/study_busy.h – a study's file that another program holds.
 #pragma once
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/study/study_file.h>
+#include "io/study/study_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -9,15 +9,15 @@
 #include <filesystem>
 #include <fstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/packed_bytes.h>
-#include <febiodea/io/study/database.h>
-#include <febiodea/io/study/study_schema.h>
-#include <febiodea/results/contact_numbers.h>
+#include "io/files/output.h"
+#include "io/files/packed_bytes.h"
+#include "io/study/database.h"
+#include "io/study/study_schema.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/results/contact_numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/study/study_file.h – a study's results in one SQLite file (docs/studies.md says what is in it).
+// io/study/study_file.h – a study's results in one SQLite file (docs/studies.md says what is in it).
 #pragma once
 #include <array>
 #include <functional>
@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/study/case.h>
-#include <febiodea/study/plan.h>
+#include "src/study/case.h"
+#include "src/study/plan.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/study/study_rows.h>
+#include "io/study/study_rows.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include <febiodea/io/study/reading.h>
+#include "io/study/reading.h"
 
 namespace dea {
 

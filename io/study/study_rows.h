@@ -1,4 +1,4 @@
-// febiodea/io/study/study_rows.h – the numbers of a whole study in a few passes over its file: what statistics and
+// io/study/study_rows.h – the numbers of a whole study in a few passes over its file: what statistics and
 // pages are made of.
 #pragma once
 #include <cstdint>

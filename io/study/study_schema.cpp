@@ -1,14 +1,14 @@
-#include <febiodea/io/study/study_schema.h>
+#include "io/study/study_schema.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/equilibrium/search.h>
-#include <febiodea/results/contact_numbers.h>
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/equilibrium/search.h"
+#include "src/results/contact_numbers.h"
 
 namespace dea {
 

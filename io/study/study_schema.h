@@ -1,10 +1,10 @@
-// febiodea/io/study/study_schema.h – the tables of a study's file (docs/studies.md says what is in them).
+// io/study/study_schema.h – the tables of a study's file (docs/studies.md says what is in them).
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/study/database.h>
-#include <febiodea/study/plan.h>
+#include "io/study/database.h"
+#include "src/study/plan.h"
 
 namespace dea {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/surfaces/surface_text.h>
+#include "io/surfaces/surface_text.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

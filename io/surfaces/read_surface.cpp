@@ -1,4 +1,4 @@
-#include <febiodea/io/surfaces/read_surface.h>
+#include "io/surfaces/read_surface.h"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,10 @@
 #include <optional>
 #include <sstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/surfaces/surface_text.h>
+#include "io/files/free_memory.h"
+#include "io/files/output.h"
+#include "io/surfaces/surface_text.h"
+#include "src/base/error.h"
 
 namespace dea {
 

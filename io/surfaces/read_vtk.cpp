@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <febiodea/io/surfaces/surface_text.h>
+#include "io/surfaces/surface_text.h"
 
 namespace dea {
 

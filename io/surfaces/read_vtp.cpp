@@ -9,11 +9,11 @@
 #include <type_traits>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/packed_bytes.h>
-#include <febiodea/io/surfaces/surface_text.h>
+#include "io/files/encoded_text.h"
+#include "io/files/free_memory.h"
+#include "io/files/packed_bytes.h"
+#include "io/surfaces/surface_text.h"
+#include "src/base/error.h"
 
 namespace dea {
 

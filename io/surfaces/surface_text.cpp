@@ -1,4 +1,4 @@
-#include <febiodea/io/surfaces/surface_text.h>
+#include "io/surfaces/surface_text.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea {
 

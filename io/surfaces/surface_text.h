@@ -1,11 +1,11 @@
-// febiodea/io/surfaces/surface_text.h – words, numbers and bytes of a surface's file, with the line where they stand.
+// io/surfaces/surface_text.h – words, numbers and bytes of a surface's file, with the line where they stand.
 #pragma once
 #include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

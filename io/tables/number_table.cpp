@@ -1,12 +1,12 @@
-#include <febiodea/io/tables/number_table.h>
+#include "io/tables/number_table.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include <febiodea/base/parse.h>
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/io/tables/text_table.h>
+#include "io/febio/febio_text.h"
+#include "io/tables/text_table.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/tables/number_table.h – numbers in columns with names: CSV, and OpenSim's .sto and .mot.
+// io/tables/number_table.h – numbers in columns with names: CSV, and OpenSim's .sto and .mot.
 #pragma once
 #include <optional>
 #include <string>

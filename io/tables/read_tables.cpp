@@ -1,4 +1,4 @@
-#include <febiodea/io/tables/read_tables.h>
+#include "io/tables/read_tables.h"
 
 #include <fmt/format.h>
 
@@ -9,15 +9,15 @@
 #include <map>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/tables/table_columns.h>
+#include "io/febio/febio_text.h"
+#include "io/files/unit_names.h"
+#include "io/tables/table_columns.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/io/tables/read_tables.h – loads, motions and thicknesses from the files that settings name.
+// io/tables/read_tables.h – loads, motions and thicknesses from the files that settings name.
 #pragma once
 #include <map>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/number_table.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "io/files/output.h"
+#include "io/tables/number_table.h"
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 
@@ -25,8 +25,8 @@ using GivenTables = std::map<std::string, NumberTable>;
 void read_tables(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
 /// Fills settings.thickness_from from its files, or from `given`: columns "node", numbers of the model's nodes, and
-/// "thickness", >= 0, in the model's length (a unit in its name must be that); other columns are passed over. Throws InputError (a file's fault, with its
-/// line).
+/// "thickness", >= 0, in the model's length (a unit in its name must be that); other columns are passed over. Throws
+/// InputError (a file's fault, with its line).
 void read_thickness(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
 /// The files that the settings name to be read, so that no output takes their place.

@@ -1,17 +1,17 @@
-#include <febiodea/io/tables/table_columns.h>
+#include "io/tables/table_columns.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/febio/febio_text.h>
+#include "io/febio/febio_text.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/tables/table_columns.h – which columns of a table are a vector, what unit their names say, and their
+// io/tables/table_columns.h – which columns of a table are a vector, what unit their names say, and their
 // numbers.
 #pragma once
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/io/tables/number_table.h>
+#include "io/tables/number_table.h"
+#include "src/base/sentence.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/tables/text_table.h>
+#include "io/tables/text_table.h"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
-#include <febiodea/base/parse.h>
-#include <febiodea/io/febio/febio_text.h>
-#include <febiodea/io/files/free_memory.h>
+#include "io/febio/febio_text.h"
+#include "io/files/free_memory.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

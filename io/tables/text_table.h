@@ -1,11 +1,11 @@
-// febiodea/io/tables/text_table.h – cells in columns with names: CSV, and OpenSim's .sto and .mot.
+// io/tables/text_table.h – cells in columns with names: CSV, and OpenSim's .sto and .mot.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/study/plan.h>
+#include "src/base/error.h"
+#include "src/study/plan.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/vtu/write_vtu.h>
+#include "io/vtu/write_vtu.h"
 
 #include <fmt/format.h>
 
@@ -12,12 +12,12 @@
 #include <unordered_map>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/system.h>
+#include "io/files/encoded_text.h"
+#include "io/files/output.h"
+#include "io/files/system.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-// febiodea/io/vtu/write_vtu.h – a plot file's content for ParaView: VTK XML files, read by everything that rests on
+// io/vtu/write_vtu.h – a plot file's content for ParaView: VTK XML files, read by everything that rests on
 // VTK. What is in them: docs/vtk.md.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/spool.h>
-#include <febiodea/io/xplt/xplt.h>
+#include "io/files/spool.h"
+#include "io/xplt/xplt.h"
 
 namespace dea {
 

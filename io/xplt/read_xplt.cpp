@@ -18,11 +18,11 @@
 #include <set>
 #include <system_error>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/system.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/io/xplt/xplt_format.h>
+#include "io/files/free_memory.h"
+#include "io/files/system.h"
+#include "io/xplt/xplt.h"
+#include "io/xplt/xplt_format.h"
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -13,13 +13,13 @@
 #include <string_view>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/packed_bytes.h>
-#include <febiodea/io/files/spool.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/io/xplt/xplt_format.h>
+#include "io/files/output.h"
+#include "io/files/packed_bytes.h"
+#include "io/files/spool.h"
+#include "io/xplt/xplt.h"
+#include "io/xplt/xplt_format.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

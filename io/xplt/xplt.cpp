@@ -1,10 +1,10 @@
-#include <febiodea/io/xplt/xplt.h>
+#include "io/xplt/xplt.h"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
+// io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
 // Format: docs/formats.md. Version 0x35. All numbers in the file are 4-byte integers and floats.
 #pragma once
 #include <array>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/spool.h>
-#include <febiodea/model/joint_model.h>
+#include "io/files/spool.h"
+#include "src/model/joint_model.h"
 
 namespace dea {
 

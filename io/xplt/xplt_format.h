@@ -1,4 +1,4 @@
-// febiodea/io/xplt/xplt_format.h – chunk ids of the plot file, shared by the writer and the reader.
+// io/xplt/xplt_format.h – chunk ids of the plot file, shared by the writer and the reader.
 // Two ids look like slips (0x0103.... among 0x0104....); they are what FEBio and its viewers use.
 #pragma once
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <febiodea/base/decompositions.h>
+#include "src/base/decompositions.h"
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>

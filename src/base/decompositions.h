@@ -1,4 +1,4 @@
-// febiodea/base/decompositions.h – matrices taken apart, by Eigen. Compiled once, in one file: each decomposition costs
+// src/base/decompositions.h – matrices taken apart, by Eigen. Compiled once, in one file: each decomposition costs
 // the compiler more than all else in a file that uses it.
 #pragma once
 #include <Eigen/Core>

@@ -1,10 +1,10 @@
-// febiodea/base/disjoint_sets.h – things 0 .. n-1 joined into sets.
+// src/base/disjoint_sets.h – things 0 .. n-1 joined into sets.
 #pragma once
 #include <algorithm>
 #include <numeric>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/base/error.h – the faults a user can cause. Our own faults are asserts.
+// src/base/error.h – the faults a user can cause. Our own faults are asserts.
 #pragma once
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/fault.h>
+#include "src/base/fault.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/base/fault.h>
+#include "src/base/fault.h"
 
 namespace dea {
 

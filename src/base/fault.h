@@ -1,9 +1,9 @@
-// febiodea/base/fault.h – a fault of the user as data, to be worded by each front end.
+// src/base/fault.h – a fault of the user as data, to be worded by each front end.
 #pragma once
 #include <optional>
 #include <string>
 
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 namespace dea {
 

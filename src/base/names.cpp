@@ -1,4 +1,4 @@
-#include <febiodea/base/names.h>
+#include "src/base/names.h"
 
 #include <algorithm>
 #include <cctype>

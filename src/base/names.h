@@ -1,4 +1,4 @@
-// febiodea/base/names.h – names in messages: those there are, the one that was meant, and words for enumerators.
+// src/base/names.h – names in messages: those there are, the one that was meant, and words for enumerators.
 #pragma once
 #include <cassert>
 #include <initializer_list>

@@ -1,4 +1,4 @@
-// febiodea/base/numbers.h – indices, and numbers with a name.
+// src/base/numbers.h – indices, and numbers with a name.
 #pragma once
 #include <cstddef>
 #include <limits>

@@ -1,5 +1,5 @@
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
+#include "src/base/parse.h"
+#include "src/base/names.h"
 
 #include <fmt/format.h>
 

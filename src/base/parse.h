@@ -1,4 +1,4 @@
-// febiodea/base/parse.h – values as a user writes them: the whole text must be one, in any locale.
+// src/base/parse.h – values as a user writes them: the whole text must be one, in any locale.
 #pragma once
 #include <Eigen/Core>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// febiodea/base/rotations.h – rotations by vectors.
+// src/base/rotations.h – rotations by vectors.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,4 +1,4 @@
-// febiodea/base/say.h – sentences made by fmt, with settings among the arguments.
+// src/base/say.h – sentences made by fmt, with settings among the arguments.
 #pragma once
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 #include <charconv>
 

@@ -1,4 +1,4 @@
-// febiodea/base/sentence.h – sentences for the user that name settings, before a front end words these.
+// src/base/sentence.h – sentences for the user that name settings, before a front end words these.
 //
 // How a setting is written differs: `--thickness "knee=1.8"` on the command line, `<thickness surface="knee">` in a
 // settings file, `<primary_thickness>` in a contact of FEBio. So a sentence keeps its settings apart from its text.

@@ -1,4 +1,4 @@
-// febiodea/base/stop.h – asking work under way to end.
+// src/base/stop.h – asking work under way to end.
 #pragma once
 #include <atomic>
 #include <stdexcept>

@@ -1,11 +1,11 @@
-#include <febiodea/base/time_text.h>
+#include "src/base/time_text.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

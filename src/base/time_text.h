@@ -1,4 +1,4 @@
-// febiodea/base/time_text.h – times as they were meant: one way for tables, messages, titles and pages.
+// src/base/time_text.h – times as they were meant: one way for tables, messages, titles and pages.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// febiodea/base/value_above.h – a value of a list by its rank.
+// src/base/value_above.h – a value of a list by its rank.
 #pragma once
 #include <algorithm>
 #include <cstddef>

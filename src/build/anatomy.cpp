@@ -1,4 +1,4 @@
-#include <febiodea/build/anatomy.h>
+#include "src/build/anatomy.h"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,13 @@
 #include <cmath>
 #include <map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/value_above.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/build/region.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/value_above.h"
+#include "src/build/mend_surface.h"
+#include "src/build/region.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

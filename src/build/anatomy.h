@@ -1,4 +1,4 @@
-// febiodea/build/anatomy.h – what landmarks and bones say of a joint's anatomy: side, frames, and of a hip its
+// src/build/anatomy.h – what landmarks and bones say of a joint's anatomy: side, frames, and of a hip its
 // measures.
 //
 // Frame, lengths: the scans'.
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/build/build_joint.h>
-#include <febiodea/build/frames.h>
-#include <febiodea/build/hip_measures.h>
+#include "src/build/build_joint.h"
+#include "src/build/frames.h"
+#include "src/build/hip_measures.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/build/build_joint.h>
+#include "src/build/build_joint.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/build/clear_overlap.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/build/pseudonormal.h>
-#include <febiodea/build/remesh.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/build/clear_overlap.h"
+#include "src/build/mend_surface.h"
+#include "src/build/pseudonormal.h"
+#include "src/build/remesh.h"
 
 namespace dea {
 

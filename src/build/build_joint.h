@@ -1,4 +1,4 @@
-// febiodea/build/build_joint.h – bones' surfaces and what is known of their cartilage become a joint.
+// src/build/build_joint.h – bones' surfaces and what is known of their cartilage become a joint.
 //
 //   BuildReport report;
 //   const BuiltJoint joint = build_joint(request, report);
@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/build/built_joint.h>
-#include <febiodea/build/layer_sheet.h>
-#include <febiodea/build/region.h>
+#include "src/base/sentence.h"
+#include "src/build/built_joint.h"
+#include "src/build/layer_sheet.h"
+#include "src/build/region.h"
 
 namespace dea {
 

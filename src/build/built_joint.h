@@ -1,11 +1,11 @@
-// febiodea/build/built_joint.h – a joint made of surfaces: what a model file is written from.
+// src/build/built_joint.h – a joint made of surfaces: what a model file is written from.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/build/clear_overlap.h>
+#include "src/build/clear_overlap.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/region.h>
+#include "src/base/numbers.h"
+#include "src/build/region.h"
 
 namespace dea {
 

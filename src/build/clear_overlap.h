@@ -1,9 +1,9 @@
-// febiodea/build/clear_overlap.h – gaps between articular surfaces, and layers made here that would overlap.
+// src/build/clear_overlap.h – gaps between articular surfaces, and layers made here that would overlap.
 #pragma once
 #include <vector>
 
-#include <febiodea/build/built_joint.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/build/built_joint.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

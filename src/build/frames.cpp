@@ -1,4 +1,4 @@
-#include <febiodea/build/frames.h>
+#include "src/build/frames.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cctype>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

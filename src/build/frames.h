@@ -1,4 +1,4 @@
-// febiodea/build/frames.h – landmarks on bones become anatomical frames.
+// src/build/frames.h – landmarks on bones become anatomical frames.
 //
 // Pelvis and femur: Wu et al. 2002, J Biomech 35:543 (ISB). Tibia: Grood and Suntay 1983, J Biomech Eng 105:136, in
 // ISB's letters. All of them: x forwards (anterior), y upwards (proximal), z to the right of the body, on either side.

@@ -1,4 +1,4 @@
-#include <febiodea/build/hip_measures.h>
+#include "src/build/hip_measures.h"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/value_above.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/build/region.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/decompositions.h"
+#include "src/base/value_above.h"
+#include "src/build/mend_surface.h"
+#include "src/build/region.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

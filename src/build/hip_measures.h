@@ -1,4 +1,4 @@
-// febiodea/build/hip_measures.h – how the socket of a hip covers the head: spheres, rim, angles, by the bones'
+// src/build/hip_measures.h – how the socket of a hip covers the head: spheres, rim, angles, by the bones'
 // surfaces.
 //
 // Frame: points and directions are in the scans' axes. Lengths: the scans'. Angles: degrees; of a right and of the
@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/frames.h>
-#include <febiodea/geometry/surface_mesh.h>
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/base/numbers.h"
+#include "src/build/frames.h"
+#include "src/geometry/surface_mesh.h"
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/build/layer_sheet.h>
+#include "src/build/layer_sheet.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <functional>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/build/pseudonormal.h>
-#include <febiodea/build/region.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
+#include "src/build/mend_surface.h"
+#include "src/build/pseudonormal.h"
+#include "src/build/region.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/build/layer_sheet.h – a sheet of prisms between bone and articular surface, none of them inside out.
+// src/build/layer_sheet.h – a sheet of prisms between bone and articular surface, none of them inside out.
 #pragma once
 #include <vector>
 
-#include <febiodea/build/built_joint.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/build/built_joint.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/build/mend_surface.h>
+#include "src/build/mend_surface.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <set>
 #include <unordered_map>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

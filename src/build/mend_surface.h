@@ -1,10 +1,10 @@
-// febiodea/build/mend_surface.h – what is wrong with a scanned surface, mended where that is safe.
+// src/build/mend_surface.h – what is wrong with a scanned surface, mended where that is safe.
 #pragma once
 #include <array>
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/build/pseudonormal.h>
+#include "src/build/pseudonormal.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/build/pseudonormal.h – on which side of a surface a point lies.
+// src/build/pseudonormal.h – on which side of a surface a point lies.
 //
 // The sign of (x - closest point) . pseudonormal is right on every closed surface, with sharp edges and triangles of
 // any size (Baerentzen and Aanaes 2005, 10.1109/TVCG.2005.49); normals weighted by area are not: a large triangle
@@ -6,7 +6,7 @@
 #pragma once
 #include <vector>
 
-#include <febiodea/geometry/ray_caster.h>
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

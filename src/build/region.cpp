@@ -1,4 +1,4 @@
-#include <febiodea/build/region.h>
+#include "src/build/region.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/mend_surface.h>
+#include "src/base/numbers.h"
+#include "src/build/mend_surface.h"
 
 namespace dea {
 

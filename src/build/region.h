@@ -1,12 +1,12 @@
-// febiodea/build/region.h – the part of a bone that bears cartilage: where it faces another bone, with a smooth rim.
+// src/build/region.h – the part of a bone that bears cartilage: where it faces another bone, with a smooth rim.
 #pragma once
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/ray_caster.h"
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/build/remesh.h>
+#include "src/build/remesh.h"
 
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Simple_cartesian.h>

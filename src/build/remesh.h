@@ -1,9 +1,9 @@
-// febiodea/build/remesh.h – other triangles for the same surface, by CGAL. Compiled by itself: nothing else includes
+// src/build/remesh.h – other triangles for the same surface, by CGAL. Compiled by itself: nothing else includes
 // it.
 #pragma once
 #include <cstddef>
 
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/triangle_surface.h"
 
 namespace dea {
 

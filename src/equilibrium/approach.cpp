@@ -1,12 +1,12 @@
-#include <febiodea/equilibrium/approach.h>
+#include "src/equilibrium/approach.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/numbers.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

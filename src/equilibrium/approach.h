@@ -1,8 +1,8 @@
-// febiodea/equilibrium/approach.h – surfaces that are apart or passed through each other, brought into contact.
+// src/equilibrium/approach.h – surfaces that are apart or passed through each other, brought into contact.
 #pragma once
 #include <Eigen/Core>
 
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

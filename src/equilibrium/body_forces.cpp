@@ -1,14 +1,14 @@
-#include <febiodea/equilibrium/body_forces.h>
+#include "src/equilibrium/body_forces.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 

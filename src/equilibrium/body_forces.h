@@ -1,13 +1,13 @@
-// febiodea/equilibrium/body_forces.h – forces between points of bodies: ligaments, cables, loads; with their
+// src/equilibrium/body_forces.h – forces between points of bodies: ligaments, cables, loads; with their
 // derivatives (E1, E7).
 #pragma once
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/joint/joint.h>
-#include <febiodea/springs/springs.h>
+#include "src/equilibrium/load_case.h"
+#include "src/joint/joint.h"
+#include "src/springs/springs.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/connectors.h>
+#include "src/equilibrium/connectors.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,11 +6,11 @@
 #include <map>
 #include <numeric>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/placing.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/base/say.h"
+#include "src/joint/placing.h"
 
 namespace dea {
 

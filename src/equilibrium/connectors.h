@@ -1,10 +1,10 @@
-// febiodea/equilibrium/connectors.h – joints that hold bodies together exactly (docs/theory.md, section 4: J1-J4).
+// src/equilibrium/connectors.h – joints that hold bodies together exactly (docs/theory.md, section 4: J1-J4).
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include <febiodea/equilibrium/body_forces.h>
+#include "src/equilibrium/body_forces.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/continuation.h>
+#include "src/equilibrium/continuation.h"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/approach.h>
-#include <febiodea/equilibrium/motion_in_words.h>
-#include <febiodea/equilibrium/separation.h>
-#include <febiodea/equilibrium/unknowns.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/numbers.h"
+#include "src/equilibrium/approach.h"
+#include "src/equilibrium/motion_in_words.h"
+#include "src/equilibrium/separation.h"
+#include "src/equilibrium/unknowns.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

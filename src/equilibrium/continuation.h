@@ -1,8 +1,8 @@
-// febiodea/equilibrium/continuation.h – the whole search for one load case from one start.
+// src/equilibrium/continuation.h – the whole search for one load case from one start.
 #pragma once
 #include <vector>
 
-#include <febiodea/equilibrium/newton.h>
+#include "src/equilibrium/newton.h"
 
 namespace dea {
 

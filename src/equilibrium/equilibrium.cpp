@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/equilibrium.h>
+#include "src/equilibrium/equilibrium.h"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,15 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/approach.h>
-#include <febiodea/equilibrium/continuation.h>
-#include <febiodea/equilibrium/motion_in_words.h>
-#include <febiodea/equilibrium/unknowns.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/base/say.h"
+#include "src/equilibrium/approach.h"
+#include "src/equilibrium/continuation.h"
+#include "src/equilibrium/motion_in_words.h"
+#include "src/equilibrium/unknowns.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/equilibrium/equilibrium.h – the pose at which springs, ligaments and loads balance.
+// src/equilibrium/equilibrium.h – the pose at which springs, ligaments and loads balance.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/body_forces.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/search.h>
-#include <febiodea/equilibrium/spring_beds.h>
-#include <febiodea/joint/placing.h>
+#include "src/equilibrium/body_forces.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/search.h"
+#include "src/equilibrium/spring_beds.h"
+#include "src/joint/placing.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/equilibrium/facet_noise.h>
+#include "src/equilibrium/facet_noise.h"
 
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/numbers.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

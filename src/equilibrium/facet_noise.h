@@ -1,9 +1,9 @@
-// febiodea/equilibrium/facet_noise.h – how much of what a motion feels is only the roughness of the facets (E6).
+// src/equilibrium/facet_noise.h – how much of what a motion feels is only the roughness of the facets (E6).
 #pragma once
 #include <Eigen/Core>
 #include <vector>
 
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

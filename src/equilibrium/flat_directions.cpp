@@ -1,14 +1,14 @@
-#include <febiodea/equilibrium/flat_directions.h>
+#include "src/equilibrium/flat_directions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/equilibrium/approach.h>
-#include <febiodea/equilibrium/facet_noise.h>
-#include <febiodea/equilibrium/singular_parts.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/decompositions.h"
+#include "src/equilibrium/approach.h"
+#include "src/equilibrium/facet_noise.h"
+#include "src/equilibrium/singular_parts.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

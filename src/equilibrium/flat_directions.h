@@ -1,4 +1,4 @@
-// febiodea/equilibrium/flat_directions.h – motions that nothing but the roughness of the facets resists, and Newton's
+// src/equilibrium/flat_directions.h – motions that nothing but the roughness of the facets resists, and Newton's
 // step over the others.
 #pragma once
 #include <Eigen/Core>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/forces.h>
+#include "src/base/numbers.h"
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

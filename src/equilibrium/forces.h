@@ -1,15 +1,15 @@
-// febiodea/equilibrium/forces.h – all that acts on the bodies at one set of poses, and how it changes with them (E1).
+// src/equilibrium/forces.h – all that acts on the bodies at one set of poses, and how it changes with them (E1).
 #pragma once
 #include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/body_forces.h>
-#include <febiodea/equilibrium/connectors.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/search.h>
-#include <febiodea/equilibrium/spring_beds.h>
+#include "src/equilibrium/body_forces.h"
+#include "src/equilibrium/connectors.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/search.h"
+#include "src/equilibrium/spring_beds.h"
 
 namespace dea {
 

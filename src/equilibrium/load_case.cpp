@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/load_case.h>
+#include "src/equilibrium/load_case.h"
 
 #include <fmt/format.h>
 
@@ -7,16 +7,16 @@
 #include <map>
 #include <utility>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/given_values.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/decompositions.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/given_values.h"
+#include "src/joint/placing.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 

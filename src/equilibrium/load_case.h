@@ -1,10 +1,10 @@
-// febiodea/equilibrium/load_case.h – what holds, moves and loads the bodies at one time.
+// src/equilibrium/load_case.h – what holds, moves and loads the bodies at one time.
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/geometry/pose.h>
-#include <febiodea/joint/joint.h>
+#include "src/geometry/pose.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-#include <febiodea/equilibrium/motion_in_words.h>
+#include "src/equilibrium/motion_in_words.h"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

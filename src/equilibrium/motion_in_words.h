@@ -1,10 +1,10 @@
-// febiodea/equilibrium/motion_in_words.h – motions of bodies in words, for messages.
+// src/equilibrium/motion_in_words.h – motions of bodies in words, for messages.
 #pragma once
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/newton.h>
+#include "src/equilibrium/newton.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/approach.h>
-#include <febiodea/equilibrium/motion_in_words.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/equilibrium/approach.h"
+#include "src/equilibrium/motion_in_words.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/equilibrium/newton.h – Newton's method for the pose at which everything balances (E1).
+// src/equilibrium/newton.h – Newton's method for the pose at which everything balances (E1).
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/flat_directions.h>
-#include <febiodea/equilibrium/forces.h>
-#include <febiodea/equilibrium/search.h>
+#include "src/equilibrium/flat_directions.h"
+#include "src/equilibrium/forces.h"
+#include "src/equilibrium/search.h"
 
 namespace dea {
 

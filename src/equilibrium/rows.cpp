@@ -1,17 +1,17 @@
-#include <febiodea/equilibrium/rows.h>
+#include "src/equilibrium/rows.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/placing.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/placing.h"
 
 namespace dea {
 

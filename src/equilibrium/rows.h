@@ -1,8 +1,8 @@
-// febiodea/equilibrium/rows.h – what tables of loads and motion say, checked and in words.
+// src/equilibrium/rows.h – what tables of loads and motion say, checked and in words.
 #pragma once
 #include <vector>
 
-#include <febiodea/joint/joint.h>
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-#include <febiodea/equilibrium/search.h>
+#include "src/equilibrium/search.h"
 
-#include <febiodea/base/names.h>
+#include "src/base/names.h"
 
 namespace dea {
 

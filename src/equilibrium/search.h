@@ -1,9 +1,9 @@
-// febiodea/equilibrium/search.h – how a search for equilibrium ends, what it may cost, and what it tells on its way.
+// src/equilibrium/search.h – how a search for equilibrium ends, what it may cost, and what it tells on its way.
 #pragma once
 #include <functional>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/stop.h>
+#include "src/base/numbers.h"
+#include "src/base/stop.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/equilibrium/separation.h>
+#include "src/equilibrium/separation.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/equilibrium/unknowns.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-// febiodea/equilibrium/separation.h – whether a contact could carry the load at all at a pose (E8).
+// src/equilibrium/separation.h – whether a contact could carry the load at all at a pose (E8).
 #pragma once
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/equilibrium/singular_parts.h>
+#include "src/equilibrium/singular_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/equilibrium/singular_parts.h – the directions in which a stiffness is small.
+// src/equilibrium/singular_parts.h – the directions in which a stiffness is small.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

@@ -1,12 +1,12 @@
-#include <febiodea/equilibrium/spring_beds.h>
+#include "src/equilibrium/spring_beds.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/place.h>
-#include <febiodea/springs/press.h>
+#include "src/base/numbers.h"
+#include "src/springs/place.h"
+#include "src/springs/press.h"
 
 namespace dea {
 

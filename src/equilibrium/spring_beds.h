@@ -1,10 +1,10 @@
-// febiodea/equilibrium/spring_beds.h – the beds of all contacts of a joint, ready for any load case.
+// src/equilibrium/spring_beds.h – the beds of all contacts of a joint, ready for any load case.
 #pragma once
 #include <vector>
 
-#include <febiodea/joint/joint.h>
-#include <febiodea/springs/springs.h>
-#include <febiodea/springs/wrench.h>
+#include "src/joint/joint.h"
+#include "src/springs/springs.h"
+#include "src/springs/wrench.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-#include <febiodea/equilibrium/times.h>
+#include "src/equilibrium/times.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/equilibrium/times.h – the times of a model's states, and the step each belongs to.
+// src/equilibrium/times.h – the times of a model's states, and the step each belongs to.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

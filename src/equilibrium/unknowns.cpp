@@ -1,8 +1,8 @@
-#include <febiodea/equilibrium/unknowns.h>
+#include "src/equilibrium/unknowns.h"
 
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/equilibrium/unknowns.h – the unknowns of a search: its free dofs, or the motions that connectors leave.
+// src/equilibrium/unknowns.h – the unknowns of a search: its free dofs, or the motions that connectors leave.
 //
 // A vector of unknowns is one number per free dof (Problem::free), rotations times Problem::scale; where there are
 // connectors, one per motion they leave at the pose (Tangent::basis). Forces on them are all in units of force.
@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include <febiodea/equilibrium/forces.h>
+#include "src/equilibrium/forces.h"
 
 namespace dea {
 

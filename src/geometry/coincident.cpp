@@ -1,4 +1,4 @@
-#include <febiodea/geometry/coincident.h>
+#include "src/geometry/coincident.h"
 
 #include <array>
 #include <cmath>

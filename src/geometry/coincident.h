@@ -1,10 +1,10 @@
-// febiodea/geometry/coincident.h – nodes that lie at one place.
+// src/geometry/coincident.h – nodes that lie at one place.
 #pragma once
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/joint_model.h>
+#include "src/base/numbers.h"
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/geometry/foot_parts.h>
+#include "src/geometry/foot_parts.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

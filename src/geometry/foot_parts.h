@@ -1,9 +1,9 @@
-// febiodea/geometry/foot_parts.h – the parts of a surface's triangles that lie under the foot of a spring (L8).
+// src/geometry/foot_parts.h – the parts of a surface's triangles that lie under the foot of a spring (L8).
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/geometry/pose.h>
+#include "src/geometry/pose.h"
 
 namespace dea {
 

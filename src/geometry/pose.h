@@ -1,4 +1,4 @@
-// febiodea/geometry/pose.h – where a rigid body is, and one body as seen from another.
+// src/geometry/pose.h – where a rigid body is, and one body as seen from another.
 #pragma once
 #include <Eigen/Core>
 

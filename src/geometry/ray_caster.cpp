@@ -1,4 +1,4 @@
-#include <febiodea/geometry/ray_caster.h>
+#include "src/geometry/ray_caster.h"
 
 #if DEA_EMBREE >= 4  // the version that CMake found
 #include <embree4/rtcore.h>
@@ -11,7 +11,7 @@
 #include <mutex>
 #include <new>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

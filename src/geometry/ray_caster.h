@@ -1,4 +1,4 @@
-// febiodea/geometry/ray_caster.h – where lines meet a triangulated surface, and its closest points.
+// src/geometry/ray_caster.h – where lines meet a triangulated surface, and its closest points.
 //
 // Embree (single precision) only narrows the search to candidate triangles, with boxes a little too large; every
 // intersection and every closest point is computed in double precision, so that results do not depend on the
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

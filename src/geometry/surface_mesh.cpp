@@ -1,4 +1,4 @@
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <optional>
 #include <unordered_map>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

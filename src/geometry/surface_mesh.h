@@ -1,9 +1,9 @@
-// febiodea/geometry/surface_mesh.h – a triangulated surface: vertices, oriented triangles, normals, rim.
+// src/geometry/surface_mesh.h – a triangulated surface: vertices, oriented triangles, normals, rim.
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

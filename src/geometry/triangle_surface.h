@@ -1,4 +1,4 @@
-// febiodea/geometry/triangle_surface.h – points and triangles, as scans come: nothing is known of them yet.
+// src/geometry/triangle_surface.h – points and triangles, as scans come: nothing is known of them yet.
 #pragma once
 #include <Eigen/Core>
 #include <array>

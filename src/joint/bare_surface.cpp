@@ -1,4 +1,4 @@
-#include <febiodea/joint/bare_surface.h>
+#include "src/joint/bare_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +6,11 @@
 #include <tuple>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/geometry/coincident.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/geometry/coincident.h"
+#include "src/geometry/ray_caster.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-// febiodea/joint/bare_surface.h – the facets of a rigid body's surface as one surface with one outside.
+// src/joint/bare_surface.h – the facets of a rigid body's surface as one surface with one outside.
 #pragma once
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/contact_side.h>
-#include <febiodea/joint/layer.h>
+#include "src/joint/carried_surface.h"
+#include "src/joint/contact_side.h"
+#include "src/joint/layer.h"
 
 namespace dea {
 

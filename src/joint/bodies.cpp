@@ -1,14 +1,14 @@
-#include <febiodea/joint/bodies.h>
+#include "src/joint/bodies.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/joint/bodies.h – rigid bodies of a model, and which nodes they hold.
+// src/joint/bodies.h – rigid bodies of a model, and which nodes they hold.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/joint/carried_surface.h>
+#include "src/joint/carried_surface.h"
 
 #include <algorithm>
 #include <set>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

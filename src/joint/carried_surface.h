@@ -1,11 +1,11 @@
-// febiodea/joint/carried_surface.h – a surface of the model with the elements its facets are faces of.
+// src/joint/carried_surface.h – a surface of the model with the elements its facets are faces of.
 #pragma once
 #include <optional>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/layer_face.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/fault.h"
+#include "src/joint/layer_face.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

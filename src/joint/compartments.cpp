@@ -1,4 +1,4 @@
-#include <febiodea/joint/compartments.h>
+#include "src/joint/compartments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <set>
 #include <unordered_map>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/geometry/coincident.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/geometry/coincident.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

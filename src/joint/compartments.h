@@ -1,14 +1,14 @@
-// febiodea/joint/compartments.h – the pieces of an articular surface that hang together: a tibia's medial and lateral
+// src/joint/compartments.h – the pieces of an articular surface that hang together: a tibia's medial and lateral
 // plateau.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/contact_side.h>
-#include <febiodea/joint/layer.h>
+#include "src/base/fault.h"
+#include "src/joint/carried_surface.h"
+#include "src/joint/contact_side.h"
+#include "src/joint/layer.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/joint/connections.h>
+#include "src/joint/connections.h"
 
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/given_values.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/joint/given_values.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/joint/connections.h – what joins bodies besides contact, and nodal forces on them.
+// src/joint/connections.h – what joins bodies besides contact, and nodal forces on them.
 #pragma once
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/model/joint_model.h>
+#include "src/base/fault.h"
+#include "src/joint/bodies.h"
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-#include <febiodea/joint/contact_side.h>
+#include "src/joint/contact_side.h"
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/symmetry_planes.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/joint/symmetry_planes.h"
 
 namespace dea {
 

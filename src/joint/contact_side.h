@@ -1,8 +1,8 @@
-// febiodea/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
+// src/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
 #pragma once
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/given_layer.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/fault.h"
+#include "src/joint/given_layer.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

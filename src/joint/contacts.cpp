@@ -1,4 +1,4 @@
-#include <febiodea/joint/contacts.h>
+#include "src/joint/contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -6,17 +6,17 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/joint/bare_surface.h>
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/given_layer.h>
-#include <febiodea/joint/half_held.h>
-#include <febiodea/joint/left_out.h>
-#include <febiodea/joint/make_layer.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/geometry/ray_caster.h"
+#include "src/joint/bare_surface.h"
+#include "src/joint/carried_surface.h"
+#include "src/joint/given_layer.h"
+#include "src/joint/half_held.h"
+#include "src/joint/left_out.h"
+#include "src/joint/make_layer.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/joint/contacts.h – pairs of layers that slide on each other.
+// src/joint/contacts.h – pairs of layers that slide on each other.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/layer.h>
+#include "src/base/fault.h"
+#include "src/joint/layer.h"
 
 namespace dea {
 

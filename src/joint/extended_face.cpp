@@ -1,4 +1,4 @@
-#include <febiodea/joint/extended_face.h>
+#include "src/joint/extended_face.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 #include <unordered_map>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/joint/layer_support.h>
-#include <febiodea/joint/left_out.h>
-#include <febiodea/joint/thickness.h>
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
+#include "src/joint/layer_support.h"
+#include "src/joint/left_out.h"
+#include "src/joint/thickness.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/joint/extended_face.h – what a layer's face goes on to beyond the selected facets.
+// src/joint/extended_face.h – what a layer's face goes on to beyond the selected facets.
 #pragma once
 #include <vector>
 
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/contact_side.h>
-#include <febiodea/joint/layer.h>
-#include <febiodea/joint/parts.h>
+#include "src/joint/carried_surface.h"
+#include "src/joint/contact_side.h"
+#include "src/joint/layer.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

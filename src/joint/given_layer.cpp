@@ -1,6 +1,6 @@
-#include <febiodea/joint/given_layer.h>
+#include "src/joint/given_layer.h"
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/joint/given_layer.h – what is said of a contact and its layers: by the user, or by the contact itself.
+// src/joint/given_layer.h – what is said of a contact and its layers: by the user, or by the contact itself.
 #pragma once
 #include <map>
 #include <optional>
 #include <string>
 
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-#include <febiodea/joint/given_values.h>
+#include "src/joint/given_values.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/joint/given_values.h – numbers of springs, ligaments, cables, muscles and rigid forces that the user puts in
+// src/joint/given_values.h – numbers of springs, ligaments, cables, muscles and rigid forces that the user puts in
 // the place of the model's (Settings::set_values), each under the name the model gives.
 //
 //   stiffness     of a linear spring: force per elongation, >= 0; 0: it is cut
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/sentence.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/joint/half_held.h>
+#include "src/joint/half_held.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/joint/half_held.h – planes of symmetry of which nodes were forgotten, and nodes held where no plane is.
+// src/joint/half_held.h – planes of symmetry of which nodes were forgotten, and nodes held where no plane is.
 #pragma once
 #include <vector>
 
-#include <febiodea/joint/layer.h>
-#include <febiodea/joint/parts.h>
+#include "src/joint/layer.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

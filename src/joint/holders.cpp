@@ -1,4 +1,4 @@
-#include <febiodea/joint/holders.h>
+#include "src/joint/holders.h"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,11 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/geometry/surface_mesh.h>
-#include <febiodea/joint/symmetry_planes.h>
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
+#include "src/geometry/surface_mesh.h"
+#include "src/joint/symmetry_planes.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-// febiodea/joint/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
+// src/joint/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
 #pragma once
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/symmetry_planes.h>
-#include <febiodea/model/joint_model.h>
+#include "src/joint/bodies.h"
+#include "src/joint/symmetry_planes.h"
+#include "src/model/joint_model.h"
 
 namespace dea {
 

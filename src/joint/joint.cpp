@@ -1,16 +1,16 @@
-#include <febiodea/joint/joint.h>
+#include "src/joint/joint.h"
 
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/given_values.h>
-#include <febiodea/joint/parts.h>
-#include <febiodea/joint/separate_pieces.h>
-#include <febiodea/joint/symmetry_planes.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/joint/given_values.h"
+#include "src/joint/parts.h"
+#include "src/joint/separate_pieces.h"
+#include "src/joint/symmetry_planes.h"
 
 namespace dea {
 

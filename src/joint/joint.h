@@ -1,16 +1,16 @@
-// febiodea/joint/joint.h – the joint behind a model: rigid bodies, cartilage layers, what holds and moves them.
+// src/joint/joint.h – the joint behind a model: rigid bodies, cartilage layers, what holds and moves them.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/connections.h>
-#include <febiodea/joint/contacts.h>
-#include <febiodea/joint/layer.h>
-#include <febiodea/joint/unmodelled.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "src/base/fault.h"
+#include "src/joint/bodies.h"
+#include "src/joint/connections.h"
+#include "src/joint/contacts.h"
+#include "src/joint/layer.h"
+#include "src/joint/unmodelled.h"
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/joint/layer.h>
+#include "src/joint/layer.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,16 +1,16 @@
-// febiodea/joint/layer.h – a layer of cartilage: its two surfaces, thickness, modulus, the body it moves with.
+// src/joint/layer.h – a layer of cartilage: its two surfaces, thickness, modulus, the body it moves with.
 #pragma once
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/geometry/surface_mesh.h>
-#include <febiodea/joint/layer_face.h>
-#include <febiodea/joint/symmetry_planes.h>
-#include <febiodea/model/elasticity.h>
-#include <febiodea/model/settings.h>
+#include "src/base/fault.h"
+#include "src/geometry/surface_mesh.h"
+#include "src/joint/layer_face.h"
+#include "src/joint/symmetry_planes.h"
+#include "src/model/elasticity.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

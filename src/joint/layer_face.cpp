@@ -1,4 +1,4 @@
-#include <febiodea/joint/layer_face.h>
+#include "src/joint/layer_face.h"
 
 #include <tbb/parallel_for.h>
 
@@ -9,10 +9,10 @@
 #include <map>
 #include <unordered_map>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/joint/layer_face.h – the whole face of a cartilage layer: the facets that slide, and where the cartilage
+// src/joint/layer_face.h – the whole face of a cartilage layer: the facets that slide, and where the cartilage
 // goes on beyond.
 //
 // Which facets slide and what is beyond their rim is read from the layer's own elements (docs/theory.md, section 2).
 #pragma once
 #include <vector>
 
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

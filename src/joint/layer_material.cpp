@@ -1,9 +1,9 @@
-#include <febiodea/joint/layer_material.h>
+#include "src/joint/layer_material.h"
 
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-// febiodea/joint/layer_material.h – modulus of a layer, and the materials beside it.
+// src/joint/layer_material.h – modulus of a layer, and the materials beside it.
 #pragma once
 #include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include <febiodea/joint/contact_side.h>
-#include <febiodea/model/elasticity.h>
+#include "src/joint/contact_side.h"
+#include "src/model/elasticity.h"
 
 namespace dea {
 

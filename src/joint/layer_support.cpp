@@ -1,11 +1,11 @@
-#include <febiodea/joint/layer_support.h>
+#include "src/joint/layer_support.h"
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/joint/layer_support.h – what a layer rests on: the parts under its facets, the body it moves with.
+// src/joint/layer_support.h – what a layer rests on: the parts under its facets, the body it moves with.
 #pragma once
 #include <map>
 #include <optional>
@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/contact_side.h>
+#include "src/joint/carried_surface.h"
+#include "src/joint/contact_side.h"
 
 namespace dea {
 

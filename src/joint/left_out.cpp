@@ -1,10 +1,10 @@
-#include <febiodea/joint/left_out.h>
+#include "src/joint/left_out.h"
 
 #include <algorithm>
 #include <array>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/joint/left_out.h – facets of a selection that belong to no articular face, and what to say of them.
+// src/joint/left_out.h – facets of a selection that belong to no articular face, and what to say of them.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/joint/layer_face.h>
+#include "src/base/sentence.h"
+#include "src/joint/layer_face.h"
 
 namespace dea {
 

@@ -1,25 +1,25 @@
-#include <febiodea/joint/make_layer.h>
+#include "src/joint/make_layer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/value_above.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/joint/bare_surface.h>
-#include <febiodea/joint/carried_surface.h>
-#include <febiodea/joint/compartments.h>
-#include <febiodea/joint/contact_side.h>
-#include <febiodea/joint/extended_face.h>
-#include <febiodea/joint/layer_material.h>
-#include <febiodea/joint/layer_support.h>
-#include <febiodea/joint/left_out.h>
-#include <febiodea/joint/thickness.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/base/value_above.h"
+#include "src/geometry/ray_caster.h"
+#include "src/joint/bare_surface.h"
+#include "src/joint/carried_surface.h"
+#include "src/joint/compartments.h"
+#include "src/joint/contact_side.h"
+#include "src/joint/extended_face.h"
+#include "src/joint/layer_material.h"
+#include "src/joint/layer_support.h"
+#include "src/joint/left_out.h"
+#include "src/joint/thickness.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/joint/make_layer.h – recognition of one layer (docs/theory.md, section 2).
+// src/joint/make_layer.h – recognition of one layer (docs/theory.md, section 2).
 #pragma once
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/layer.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/fault.h"
+#include "src/joint/layer.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

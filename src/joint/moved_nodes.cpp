@@ -1,12 +1,12 @@
-#include <febiodea/joint/moved_nodes.h>
+#include "src/joint/moved_nodes.h"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <tuple>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

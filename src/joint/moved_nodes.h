@@ -1,4 +1,4 @@
-// febiodea/joint/moved_nodes.h – nodes whose displacement is prescribed, as bodies.
+// src/joint/moved_nodes.h – nodes whose displacement is prescribed, as bodies.
 //
 // A model may leave a bone out and move the nodes on the cartilage's bone side instead. Nodes whose x, y and z are all
 // given, and alike, move together and do not turn: a body without material.
@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/model/joint_model.h>
+#include "src/base/fault.h"
+#include "src/model/joint_model.h"
 
 namespace dea {
 

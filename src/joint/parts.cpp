@@ -1,13 +1,13 @@
-#include <febiodea/joint/parts.h>
+#include "src/joint/parts.h"
 
 #include <algorithm>
 #include <utility>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/given_layer.h>
-#include <febiodea/joint/moved_nodes.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/joint/given_layer.h"
+#include "src/joint/moved_nodes.h"
 
 namespace dea {
 

@@ -1,17 +1,17 @@
-// febiodea/joint/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
+// src/joint/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
 #pragma once
 #include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/holders.h>
-#include <febiodea/joint/layer_face.h>
-#include <febiodea/model/element_faces.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "src/base/fault.h"
+#include "src/joint/bodies.h"
+#include "src/joint/holders.h"
+#include "src/joint/layer_face.h"
+#include "src/model/element_faces.h"
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-#include <febiodea/joint/placing.h>
+#include "src/joint/placing.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/base/say.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/base/say.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/joint/placing.h – where bodies are put before anything moves or loads them.
+// src/joint/placing.h – where bodies are put before anything moves or loads them.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/pose.h>
-#include <febiodea/geometry/surface_mesh.h>
-#include <febiodea/joint/joint.h>
+#include "src/geometry/pose.h"
+#include "src/geometry/surface_mesh.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

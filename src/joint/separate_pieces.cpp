@@ -1,14 +1,14 @@
-#include <febiodea/joint/separate_pieces.h>
+#include "src/joint/separate_pieces.h"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <set>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/decompositions.h"
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

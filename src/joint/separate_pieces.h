@@ -1,9 +1,9 @@
-// febiodea/joint/separate_pieces.h – bones that a material taken as rigid would make one body of.
+// src/joint/separate_pieces.h – bones that a material taken as rigid would make one body of.
 #pragma once
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/fault.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/joint/shared_ends.h>
+#include "src/joint/shared_ends.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/joint/shared_ends.h – where both surfaces of a contact end in one plane, as where a joint is cut in two.
+// src/joint/shared_ends.h – where both surfaces of a contact end in one plane, as where a joint is cut in two.
 #pragma once
 #include <optional>
 #include <vector>
 
-#include <febiodea/geometry/pose.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/contacts.h>
+#include "src/geometry/pose.h"
+#include "src/joint/bodies.h"
+#include "src/joint/contacts.h"
 
 namespace dea {
 

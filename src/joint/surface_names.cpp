@@ -1,4 +1,4 @@
-#include <febiodea/joint/surface_names.h>
+#include "src/joint/surface_names.h"
 
 #include <algorithm>
 #include <optional>
@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/parts.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/joint/surface_names.h – surfaces that settings call by what lies under them.
+// src/joint/surface_names.h – surfaces that settings call by what lies under them.
 #pragma once
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/model/settings.h>
+#include "src/base/sentence.h"
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/joint/symmetry_planes.h>
+#include "src/joint/symmetry_planes.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 #include <tuple>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/value_above.h>
+#include "src/base/numbers.h"
+#include "src/base/value_above.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/joint/symmetry_planes.h – where a model is one half or quarter of what it stands for.
+// src/joint/symmetry_planes.h – where a model is one half or quarter of what it stands for.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/joint/thickness.h>
+#include "src/joint/thickness.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

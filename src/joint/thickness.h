@@ -1,8 +1,8 @@
-// febiodea/joint/thickness.h – cartilage thickness of a layer, measured between its two surfaces.
+// src/joint/thickness.h – cartilage thickness of a layer, measured between its two surfaces.
 #pragma once
 #include <vector>
 
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/joint/unmodelled.h>
+#include "src/joint/unmodelled.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/disjoint_sets.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/disjoint_sets.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

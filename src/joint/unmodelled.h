@@ -1,10 +1,10 @@
-// febiodea/joint/unmodelled.h – deformable parts between bodies of which nothing is made.
+// src/joint/unmodelled.h – deformable parts between bodies of which nothing is made.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/joint/contacts.h>
-#include <febiodea/joint/parts.h>
+#include "src/joint/contacts.h"
+#include "src/joint/parts.h"
 
 namespace dea {
 

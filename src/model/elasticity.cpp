@@ -1,4 +1,4 @@
-#include <febiodea/model/elasticity.h>
+#include "src/model/elasticity.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/model/elasticity.h – small-strain constants of cartilage.
+// src/model/elasticity.h – small-strain constants of cartilage.
 #pragma once
 
 namespace dea {

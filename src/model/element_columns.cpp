@@ -1,10 +1,10 @@
-#include <febiodea/model/element_columns.h>
+#include "src/model/element_columns.h"
 
 #include <array>
 #include <unordered_map>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/numbers.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

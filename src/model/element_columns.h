@@ -1,9 +1,9 @@
-// febiodea/model/element_columns.h – columns of solid elements under the facets of a surface, one element behind the
+// src/model/element_columns.h – columns of solid elements under the facets of a surface, one element behind the
 // other.
 #pragma once
 #include <vector>
 
-#include <febiodea/model/element_shape.h>
+#include "src/model/element_shape.h"
 
 namespace dea {
 

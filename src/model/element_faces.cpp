@@ -1,4 +1,4 @@
-#include <febiodea/model/element_faces.h>
+#include "src/model/element_faces.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,11 +1,11 @@
-// febiodea/model/element_faces.h – facets: their corners, what two elements that share one agree on, how it is cut into
+// src/model/element_faces.h – facets: their corners, what two elements that share one agree on, how it is cut into
 // triangles.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

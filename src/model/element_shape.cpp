@@ -1,4 +1,4 @@
-#include <febiodea/model/element_shape.h>
+#include "src/model/element_shape.h"
 
 #include <cassert>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// febiodea/model/element_shape.h – the element shapes: one table of their names, nodes and faces. Numbers that a file
+// src/model/element_shape.h – the element shapes: one table of their names, nodes and faces. Numbers that a file
 // format has for them are in its own place (io/xplt/xplt.cpp, io/vtu/write_vtu.cpp).
 #pragma once
 #include <vector>

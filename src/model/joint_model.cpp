@@ -1,4 +1,4 @@
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// febiodea/model/joint_model.h – what a model says: mesh, materials, rigid conditions, contacts, loads, steps.
+// src/model/joint_model.h – what a model says: mesh, materials, rigid conditions, contacts, loads, steps.
 //
 // Neutral between file formats and versions: `io/` fills it from a .feb file, `plugin/` from FEBio's own
 // model. It holds statements, not conclusions: which body a cartilage layer belongs to, which thickness
@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/element_shape.h>
-#include <febiodea/model/settings.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/model/element_shape.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/model/load_curve.h>
+#include "src/model/load_curve.h"
 
 #include <fmt/format.h>
 #include <muParser.h>
@@ -10,8 +10,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/error.h>
+#include "src/base/decompositions.h"
+#include "src/base/error.h"
 
 namespace dea {
 namespace {

@@ -1,9 +1,9 @@
-// febiodea/model/load_curve.h – the value of a load controller at a time, as FEBio evaluates it.
+// src/model/load_curve.h – the value of a load controller at a time, as FEBio evaluates it.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-#include <febiodea/model/settings.h>
+#include "src/model/settings.h"
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/say.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/say.h"
 
 namespace dea {
 

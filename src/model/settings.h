@@ -1,4 +1,4 @@
-// febiodea/model/settings.h – what a user may say instead of what is inferred from the model.
+// src/model/settings.h – what a user may say instead of what is inferred from the model.
 // Filled from the command line and from a settings file (command line first); everything left empty is
 // taken from the model. Names are the model's own: materials (bodies), surfaces, contacts.
 #pragma once
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 namespace dea {
 

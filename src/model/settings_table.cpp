@@ -1,4 +1,4 @@
-#include <febiodea/model/settings_table.h>
+#include "src/model/settings_table.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/model/settings_table.h – the settings one by one: name, form, help, how a text becomes a part of Settings
+// src/model/settings_table.h – the settings one by one: name, form, help, how a text becomes a part of Settings
 // and how that is shown. Command line, settings file, JSON and manual walk through this table: a new setting is a
 // member of Settings and a row of it.
 #pragma once
@@ -7,9 +7,9 @@
 #include <variant>
 #include <vector>
 
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/model/settings.h>
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

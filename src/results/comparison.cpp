@@ -1,4 +1,4 @@
-#include <febiodea/results/comparison.h>
+#include "src/results/comparison.h"
 
 #include <algorithm>
 #include <cassert>
@@ -6,9 +6,9 @@
 #include <numeric>
 #include <unordered_map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/results/percentile.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/results/percentile.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/results/comparison.h – two results of the same joint side by side: numbers that mean the same for both.
+// src/results/comparison.h – two results of the same joint side by side: numbers that mean the same for both.
 //
 // Results are pressures per facet of a surface, whatever made them. FEA facet pressures are noisy (checkerboards), so
 // every measure also exists on nodal averages, and patterns are compared on those. Places are those of the reference
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/ray_caster.h"
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

@@ -1,7 +1,7 @@
-#include <febiodea/results/compartment_loads.h>
+#include "src/results/compartment_loads.h"
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

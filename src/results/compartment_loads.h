@@ -1,12 +1,12 @@
-// febiodea/results/compartment_loads.h – what each compartment of a contact carries.
+// src/results/compartment_loads.h – what each compartment of a contact carries.
 #pragma once
 #include <optional>
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/fields.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/results/inside_numbers.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/results/fields.h"
+#include "src/results/headline.h"
+#include "src/results/inside_numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/results/contact_numbers.h>
+#include "src/results/contact_numbers.h"
 
 #include <fmt/format.h>
 

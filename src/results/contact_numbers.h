@@ -1,11 +1,11 @@
-// febiodea/results/contact_numbers.h – the numbers of a contact by their names: CSV, a study's file and Python share
+// src/results/contact_numbers.h – the numbers of a contact by their names: CSV, a study's file and Python share
 // these, in this order.
 #pragma once
 #include <functional>
 #include <string>
 #include <vector>
 
-#include <febiodea/results/statistics.h>
+#include "src/results/statistics.h"
 
 namespace dea {
 

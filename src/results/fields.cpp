@@ -1,15 +1,15 @@
-#include <febiodea/results/fields.h>
+#include "src/results/fields.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/springs/gaps.h>
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/numbers.h"
+#include "src/results/headline.h"
+#include "src/springs/gaps.h"
+#include "src/springs/press.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/results/fields.h – results on the model's own surfaces and nodes.
+// src/results/fields.h – results on the model's own surfaces and nodes.
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/comparison.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/results/comparison.h"
 
 namespace dea {
 

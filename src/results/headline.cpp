@@ -1,4 +1,4 @@
-#include <febiodea/results/headline.h>
+#include "src/results/headline.h"
 
 #include <cmath>
 

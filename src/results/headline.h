@@ -1,11 +1,11 @@
-// febiodea/results/headline.h – the one set of numbers that a pressure map is summed up by, wherever it comes from:
+// src/results/headline.h – the one set of numbers that a pressure map is summed up by, wherever it comes from:
 // docs/theory.md, 6. Tables, JSON, CSV, pictures and pages show these first, and all have them from here.
 #pragma once
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/joint_model.h>
-#include <febiodea/results/comparison.h>
+#include "src/base/numbers.h"
+#include "src/model/joint_model.h"
+#include "src/results/comparison.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/results/inside.h>
+#include "src/results/inside.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-// febiodea/results/inside.h – stress and strain inside the cartilage of a solved contact: at the bone, at the articular
+// src/results/inside.h – stress and strain inside the cartilage of a solved contact: at the bone, at the articular
 // surface, at any point of a layer. docs/layer_law.md, section 8.
 #pragma once
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include <febiodea/joint/layer.h>
-#include <febiodea/results/inside_numbers.h>
-#include <febiodea/springs/layer_bed.h>
-#include <febiodea/springs/layer_inside.h>
+#include "src/joint/layer.h"
+#include "src/results/inside_numbers.h"
+#include "src/springs/layer_bed.h"
+#include "src/springs/layer_inside.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/results/inside_fields.h>
+#include "src/results/inside_fields.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,11 +6,11 @@
 #include <cmath>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/say.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/model/element_columns.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/say.h"
+#include "src/joint/bodies.h"
+#include "src/model/element_columns.h"
 
 namespace dea {
 

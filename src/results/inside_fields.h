@@ -1,4 +1,4 @@
-// febiodea/results/inside_fields.h – stress and strain inside the cartilage of a whole joint: of the model's elements,
+// src/results/inside_fields.h – stress and strain inside the cartilage of a whole joint: of the model's elements,
 // on its surfaces, as numbers. docs/layer_law.md, section 8.
 #pragma once
 #include <array>
@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/inside.h>
-#include <febiodea/results/inside_numbers.h>
+#include "src/base/fault.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/results/inside.h"
+#include "src/results/inside_numbers.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-#include <febiodea/results/inside_numbers.h>
+#include "src/results/inside_numbers.h"
 
 #include <algorithm>
 
-#include <febiodea/results/percentile.h>
+#include "src/results/percentile.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/results/inside_numbers.h – the numbers that sum up stress and strain inside a layer. docs/layer_law.md, 8.
+// src/results/inside_numbers.h – the numbers that sum up stress and strain inside a layer. docs/layer_law.md, 8.
 #pragma once
 #include <vector>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-#include <febiodea/results/neighbours.h>
+#include "src/results/neighbours.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/results/neighbours.h – contacts that press one layer side by side (docs/theory.md, 2).
+// src/results/neighbours.h – contacts that press one layer side by side (docs/theory.md, 2).
 #pragma once
 #include <optional>
 #include <vector>
 
-#include <febiodea/joint/joint.h>
-#include <febiodea/results/fields.h>
+#include "src/joint/joint.h"
+#include "src/results/fields.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-#include <febiodea/results/percentile.h>
+#include "src/results/percentile.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/results/percentile.h – percentiles by area or force, or of values that count once.
+// src/results/percentile.h – percentiles by area or force, or of values that count once.
 #pragma once
 #include <vector>
 

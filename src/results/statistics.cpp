@@ -1,4 +1,4 @@
-#include <febiodea/results/statistics.h>
+#include "src/results/statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <numeric>
 #include <optional>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/results/percentile.h>
+#include "src/base/numbers.h"
+#include "src/geometry/ray_caster.h"
+#include "src/results/percentile.h"
 
 namespace dea {
 

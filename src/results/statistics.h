@@ -1,15 +1,15 @@
-// febiodea/results/statistics.h – the numbers that sum up a contact's results.
+// src/results/statistics.h – the numbers that sum up a contact's results.
 #pragma once
 #include <optional>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/compartment_loads.h>
-#include <febiodea/results/fields.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/results/inside_fields.h>
-#include <febiodea/results/neighbours.h>
+#include "src/base/numbers.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/results/compartment_loads.h"
+#include "src/results/fields.h"
+#include "src/results/headline.h"
+#include "src/results/inside_fields.h"
+#include "src/results/neighbours.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/run/analysis.h>
+#include "src/run/analysis.h"
 
 #include <fmt/format.h>
 
@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/joint/shared_ends.h>
-#include <febiodea/run/idle_loads.h>
-#include <febiodea/run/idle_settings.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/base/time_text.h"
+#include "src/joint/shared_ends.h"
+#include "src/run/idle_loads.h"
+#include "src/run/idle_settings.h"
 
 namespace dea {
 

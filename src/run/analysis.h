@@ -1,19 +1,19 @@
-// febiodea/run/analysis.h – the whole method, from model to results: read this first.
+// src/run/analysis.h – the whole method, from model to results: read this first.
 #pragma once
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/joint.h>
-#include <febiodea/results/fields.h>
-#include <febiodea/results/inside_fields.h>
-#include <febiodea/results/statistics.h>
-#include <febiodea/run/prepared.h>
-#include <febiodea/run/recognise.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/joint.h"
+#include "src/results/fields.h"
+#include "src/results/inside_fields.h"
+#include "src/results/statistics.h"
+#include "src/run/prepared.h"
+#include "src/run/recognise.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/run/check.h>
+#include "src/run/check.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/load_curve.h>
-#include <febiodea/run/prepared.h>
-#include <febiodea/run/states.h>
+#include "src/base/numbers.h"
+#include "src/model/load_curve.h"
+#include "src/run/prepared.h"
+#include "src/run/states.h"
 
 namespace dea {
 

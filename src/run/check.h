@@ -1,14 +1,14 @@
-// febiodea/run/check.h – what was recognised in a model, before anything is solved.
+// src/run/check.h – what was recognised in a model, before anything is solved.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/results/fields.h>
-#include <febiodea/run/recognise.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/times.h"
+#include "src/results/fields.h"
+#include "src/run/recognise.h"
 
 namespace dea {
 

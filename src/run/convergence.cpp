@@ -1,11 +1,11 @@
-#include <febiodea/run/convergence.h>
+#include "src/run/convergence.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/run/states.h>
+#include "src/base/numbers.h"
+#include "src/run/states.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/run/convergence.h – how many springs a result needs.
+// src/run/convergence.h – how many springs a result needs.
 #pragma once
 #include <functional>
 #include <string>
 #include <vector>
 
-#include <febiodea/run/analysis.h>
+#include "src/run/analysis.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/run/cost.h>
+#include "src/run/cost.h"
 
 #include <cmath>
 

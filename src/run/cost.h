@@ -1,6 +1,6 @@
-// febiodea/run/cost.h – what the springs of a joint will cost, before they are placed.
+// src/run/cost.h – what the springs of a joint will cost, before they are placed.
 #pragma once
-#include <febiodea/joint/joint.h>
+#include "src/joint/joint.h"
 
 namespace dea {
 

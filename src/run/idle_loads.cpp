@@ -1,16 +1,16 @@
-#include <febiodea/run/idle_loads.h>
+#include "src/run/idle_loads.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/placing.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 

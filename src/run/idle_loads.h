@@ -1,11 +1,11 @@
-// febiodea/run/idle_loads.h – loads that move nothing: the body is not free to go their way.
+// src/run/idle_loads.h – loads that move nothing: the body is not free to go their way.
 #pragma once
 #include <array>
 #include <string>
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/joint/joint.h>
+#include "src/base/sentence.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-#include <febiodea/run/idle_settings.h>
+#include "src/run/idle_settings.h"
 
 #include <algorithm>
 #include <set>
 #include <string>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
+#include "src/base/numbers.h"
+#include "src/base/say.h"
 
 namespace dea {
 

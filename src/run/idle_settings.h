@@ -1,9 +1,9 @@
-// febiodea/run/idle_settings.h – settings that nothing uses.
+// src/run/idle_settings.h – settings that nothing uses.
 #pragma once
 #include <vector>
 
-#include <febiodea/base/sentence.h>
-#include <febiodea/joint/joint.h>
+#include "src/base/sentence.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/run/prepared.h>
+#include "src/run/prepared.h"
 
 #include <algorithm>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/joint/placing.h>
+#include "src/base/numbers.h"
+#include "src/joint/placing.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/run/prepared.h – a joint made ready once, to serve any number of load cases and poses.
+// src/run/prepared.h – a joint made ready once, to serve any number of load cases and poses.
 //
 //   const Prepared joint = prepare(recognise(model, settings));
 //   const LoadCase loads = make_load_case(model, joint.joint, settings, 0, 1.0);
@@ -10,8 +10,8 @@
 #pragma once
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/run/recognise.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/run/recognise.h"
 
 namespace dea {
 

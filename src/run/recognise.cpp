@@ -1,4 +1,4 @@
-#include <febiodea/run/recognise.h>
+#include "src/run/recognise.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,19 +6,19 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/say.h>
-#include <febiodea/equilibrium/connectors.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/rows.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/joint/surface_names.h>
-#include <febiodea/model/load_curve.h>
-#include <febiodea/results/inside_fields.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/equilibrium/connectors.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/rows.h"
+#include "src/equilibrium/times.h"
+#include "src/joint/bodies.h"
+#include "src/joint/placing.h"
+#include "src/joint/surface_names.h"
+#include "src/model/load_curve.h"
+#include "src/results/inside_fields.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/run/recognise.h – what joint a model describes, and every reason for which it cannot be solved.
+// src/run/recognise.h – what joint a model describes, and every reason for which it cannot be solved.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/base/fault.h>
-#include <febiodea/joint/joint.h>
+#include "src/base/fault.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/run/states.h>
+#include "src/run/states.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/time_text.h>
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/run/states.h – which states of a model are solved, and which of these are kept.
+// src/run/states.h – which states of a model are solved, and which of these are kept.
 #pragma once
 #include <array>
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/times.h>
+#include "src/equilibrium/times.h"
 
 namespace dea {
 

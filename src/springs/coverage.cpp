@@ -1,9 +1,9 @@
-#include <febiodea/springs/coverage.h>
+#include "src/springs/coverage.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

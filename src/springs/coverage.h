@@ -1,9 +1,9 @@
-// febiodea/springs/coverage.h – the part of a foot triangle that lies over the target, where its rim cuts through.
+// src/springs/coverage.h – the part of a foot triangle that lies over the target, where its rim cuts through.
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/geometry/surface_mesh.h>
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include <febiodea/springs/depth_law.h>
+#include "src/springs/depth_law.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/layer_kernel.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/springs/layer_kernel.h"
 
 namespace dea {
 

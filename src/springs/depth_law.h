@@ -1,4 +1,4 @@
-// febiodea/springs/depth_law.h – what a wave of pressure on a bonded elastic layer does inside it: exactly, and by the
+// src/springs/depth_law.h – what a wave of pressure on a bonded elastic layer does inside it: exactly, and by the
 // fractions that the layer law solves for anyway. docs/layer_law.md, section 8, derives both.
 #pragma once
 #include <array>

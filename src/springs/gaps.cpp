@@ -1,4 +1,4 @@
-#include <febiodea/springs/gaps.h>
+#include "src/springs/gaps.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/coverage.h>
+#include "src/base/numbers.h"
+#include "src/springs/coverage.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/springs/gaps.h – where springs end at a pose, and how their gaps change.
+// src/springs/gaps.h – where springs end at a pose, and how their gaps change.
 #pragma once
 #include <vector>
 
-#include <febiodea/geometry/foot_parts.h>
-#include <febiodea/springs/springs.h>
+#include "src/geometry/foot_parts.h"
+#include "src/springs/springs.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_bed.h>
+#include "src/springs/layer_bed.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/gaps.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/numbers.h"
+#include "src/springs/gaps.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

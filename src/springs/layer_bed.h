@@ -1,10 +1,10 @@
-// febiodea/springs/layer_bed.h – the spring bed of Law::Layer: its springs share what the layers give way sideways
+// src/springs/layer_bed.h – the spring bed of Law::Layer: its springs share what the layers give way sideways
 // (L1-L10).
 #pragma once
 #include <optional>
 
-#include <febiodea/springs/layer_contact.h>
-#include <febiodea/springs/springs.h>
+#include "src/springs/layer_contact.h"
+#include "src/springs/springs.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_contact.h>
+#include "src/springs/layer_contact.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/springs/layer_contact.h – which feet touch and how hard, when both layers give way like elastic layers (L4).
+// src/springs/layer_contact.h – which feet touch and how hard, when both layers give way like elastic layers (L4).
 #pragma once
 #include <Eigen/Core>
 #include <vector>
 
-#include <febiodea/base/stop.h>
-#include <febiodea/springs/layer_operator.h>
+#include "src/base/stop.h"
+#include "src/springs/layer_operator.h"
 
 namespace dea {
 

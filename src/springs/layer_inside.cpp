@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_inside.h>
+#include "src/springs/layer_inside.h"
 
 #include <tbb/parallel_for.h>
 
@@ -9,8 +9,8 @@
 #include <map>
 #include <numeric>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

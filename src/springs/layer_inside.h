@@ -1,11 +1,11 @@
-// febiodea/springs/layer_inside.h – stress and strain inside a pressed layer, at any place and depth.
+// src/springs/layer_inside.h – stress and strain inside a pressed layer, at any place and depth.
 // docs/layer_law.md, section 8.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
 
-#include <febiodea/springs/depth_law.h>
-#include <febiodea/springs/layer_operator.h>
+#include "src/springs/depth_law.h"
+#include "src/springs/layer_operator.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/springs/layer_kernel.h>
+#include "src/springs/layer_kernel.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include <febiodea/base/decompositions.h>
+#include "src/base/decompositions.h"
 
 namespace dea {
 

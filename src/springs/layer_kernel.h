@@ -1,9 +1,9 @@
-// febiodea/springs/layer_kernel.h – how the surface of a bonded elastic layer gives way to a wave of pressure: exactly,
+// src/springs/layer_kernel.h – how the surface of a bonded elastic layer gives way to a wave of pressure: exactly,
 // and as a rational law that a sparse matrix can follow. docs/layer_law.md derives both.
 #pragma once
 #include <array>
 
-#include <febiodea/springs/spring_law.h>
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

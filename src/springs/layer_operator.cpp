@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_operator.h>
+#include "src/springs/layer_operator.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,8 +7,8 @@
 #include <queue>
 #include <utility>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-// febiodea/springs/layer_operator.h – compliance of a bonded elastic layer on its own mesh: from pressures on the feet
+// src/springs/layer_operator.h – compliance of a bonded elastic layer on its own mesh: from pressures on the feet
 // of springs to how far the surface sinks under them, with the sideways flow that a bed of springs lacks (L3, L8).
 #pragma once
 #include <Eigen/Core>
 #include <array>
 #include <vector>
 
-#include <febiodea/geometry/foot_parts.h>
-#include <febiodea/joint/layer_face.h>
-#include <febiodea/springs/layer_kernel.h>
-#include <febiodea/springs/sparse_factor.h>
+#include "src/geometry/foot_parts.h"
+#include "src/joint/layer_face.h"
+#include "src/springs/layer_kernel.h"
+#include "src/springs/sparse_factor.h"
 
 namespace dea {
 

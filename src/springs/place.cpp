@@ -1,10 +1,10 @@
-#include <febiodea/springs/place.h>
+#include "src/springs/place.h"
 
 #include <algorithm>
 #include <cassert>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/layer_bed.h>
+#include "src/base/numbers.h"
+#include "src/springs/layer_bed.h"
 
 namespace dea {
 

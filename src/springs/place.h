@@ -1,6 +1,6 @@
-// febiodea/springs/place.h – springs between the layers of a contact, with all that does not depend on the pose.
+// src/springs/place.h – springs between the layers of a contact, with all that does not depend on the pose.
 #pragma once
-#include <febiodea/springs/springs.h>
+#include "src/springs/springs.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-#include <febiodea/springs/press.h>
+#include "src/springs/press.h"
 
 #include <algorithm>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/gaps.h>
-#include <febiodea/springs/layer_bed.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/numbers.h"
+#include "src/springs/gaps.h"
+#include "src/springs/layer_bed.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

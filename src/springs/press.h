@@ -1,6 +1,6 @@
-// febiodea/springs/press.h – what the springs of a contact do at a pose of its two bodies.
+// src/springs/press.h – what the springs of a contact do at a pose of its two bodies.
 #pragma once
-#include <febiodea/springs/springs.h>
+#include "src/springs/springs.h"
 
 namespace dea {
 

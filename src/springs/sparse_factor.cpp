@@ -1,4 +1,4 @@
-#include <febiodea/springs/sparse_factor.h>
+#include "src/springs/sparse_factor.h"
 
 #include <cholmod.h>
 
@@ -7,7 +7,7 @@
 #include <new>
 #include <stdexcept>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

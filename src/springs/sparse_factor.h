@@ -1,4 +1,4 @@
-// febiodea/springs/sparse_factor.h – symmetric sparse matrices, their Cholesky factors, and solutions where only some
+// src/springs/sparse_factor.h – symmetric sparse matrices, their Cholesky factors, and solutions where only some
 // unknowns matter. The only file that knows CHOLMOD is sparse_factor.cpp.
 #pragma once
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
-// febiodea/springs/spring_law.h – contact pressure of a spring from its overlap: one or two layers of cartilage in
+// src/springs/spring_law.h – contact pressure of a spring from its overlap: one or two layers of cartilage in
 // series.
 #pragma once
-#include <febiodea/model/elasticity.h>
-#include <febiodea/model/settings.h>
+#include "src/model/elasticity.h"
+#include "src/model/settings.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/springs/springs.h>
+#include "src/springs/springs.h"
 
 #include <algorithm>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/numbers.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-// febiodea/springs/springs.h – the bed of springs between two facing layers, and its state at a pose: values.
+// src/springs/springs.h – the bed of springs between two facing layers, and its state at a pose: values.
 #pragma once
 #include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <vector>
 
-#include <febiodea/base/stop.h>
-#include <febiodea/geometry/pose.h>
-#include <febiodea/geometry/ray_caster.h>
-#include <febiodea/joint/joint.h>
+#include "src/base/stop.h"
+#include "src/geometry/pose.h"
+#include "src/geometry/ray_caster.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,13 +1,13 @@
-#include <febiodea/springs/wrench.h>
+#include "src/springs/wrench.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/springs/spring_law.h>
+#include "src/base/decompositions.h"
+#include "src/base/numbers.h"
+#include "src/springs/spring_law.h"
 
 namespace dea {
 

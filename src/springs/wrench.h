@@ -1,8 +1,8 @@
-// febiodea/springs/wrench.h – force and moment of a contact on its two bodies, and their derivative (E1-E5).
+// src/springs/wrench.h – force and moment of a contact on its two bodies, and their derivative (E1-E5).
 #pragma once
 #include <array>
 
-#include <febiodea/springs/springs.h>
+#include "src/springs/springs.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/study/case.h – what a solved case leaves: numbers, not meshes.
+// src/study/case.h – what a solved case leaves: numbers, not meshes.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/statistics.h>
+#include "src/equilibrium/equilibrium.h"
+#include "src/results/statistics.h"
 
 namespace dea {
 

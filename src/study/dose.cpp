@@ -1,12 +1,12 @@
-#include <febiodea/study/dose.h>
+#include "src/study/dose.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/results/comparison.h>
-#include <febiodea/study/summary.h>
+#include "src/base/error.h"
+#include "src/results/comparison.h"
+#include "src/study/summary.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/study/dose.h – what each place of a surface bears over a cycle, and over years of cycles.
+// src/study/dose.h – what each place of a surface bears over a cycle, and over years of cycles.
 //
 // With the pressure p(t) of a place, linear in time between states, and a threshold p_d:
 //     exposure      integral of p dt

@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <set>
 
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/study/plan.h>
+#include "src/base/names.h"
+#include "src/base/parse.h"
+#include "src/model/settings_table.h"
+#include "src/study/plan.h"
 
 namespace dea {
 

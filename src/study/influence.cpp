@@ -1,4 +1,4 @@
-#include <febiodea/study/influence.h>
+#include "src/study/influence.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/base/error.h>
-#include <febiodea/results/comparison.h>
-#include <febiodea/study/pairs.h>
+#include "src/base/decompositions.h"
+#include "src/base/error.h"
+#include "src/results/comparison.h"
+#include "src/study/pairs.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/study/influence.h – which factors a result depends on: regression, rank correlation, slopes.
+// src/study/influence.h – which factors a result depends on: regression, rank correlation, slopes.
 // (sobol_indices.h has the shares of its variance.)
 //
 // `factors`: one list per factor, of one value per case. `outputs`: one number per case, NaN or infinite where the case
@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <febiodea/study/summary.h>
+#include "src/study/summary.h"
 
 namespace dea {
 

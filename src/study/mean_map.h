@@ -1,4 +1,4 @@
-// febiodea/study/mean_map.h – maps of several cases on the same surface: their mean, their spread, two groups compared.
+// src/study/mean_map.h – maps of several cases on the same surface: their mean, their spread, two groups compared.
 //
 // A field is one value per place (vertex or facet), a map one field per case. Means over the surface are weighted by
 // area. A map is of whole fields: values that are not finite, fields of different sizes, areas that are negative or all
@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

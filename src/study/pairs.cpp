@@ -1,11 +1,11 @@
-#include <febiodea/study/pairs.h>
+#include "src/study/pairs.h"
 
 #include <algorithm>
 #include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
-#include <febiodea/results/percentile.h>
+#include "src/results/percentile.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/study/pairs.h – two numbers of the same cases, or one number of two groups: differences, agreement, sizes of
+// src/study/pairs.h – two numbers of the same cases, or one number of two groups: differences, agreement, sizes of
 // effects. Intervals say how far the samples settle a number; nothing here is called significant.
 //
 // A difference is always first minus second. A pair of which one value is not finite is left out and counted. Two lists
@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <febiodea/study/summary.h>
+#include "src/study/summary.h"
 
 namespace dea {
 

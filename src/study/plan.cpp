@@ -1,4 +1,4 @@
-#include <febiodea/study/plan.h>
+#include "src/study/plan.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/say.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/say.h"
 
 namespace dea {
 

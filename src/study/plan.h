@@ -1,11 +1,11 @@
-// febiodea/study/plan.h – a study: which models are solved with which options, as cases in order.
+// src/study/plan.h – a study: which models are solved with which options, as cases in order.
 #pragma once
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/study/sampling.h>
+#include "src/study/sampling.h"
 
 namespace dea {
 

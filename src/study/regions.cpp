@@ -1,4 +1,4 @@
-#include <febiodea/study/regions.h>
+#include "src/study/regions.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/study/regions.h – regions of a surface by where its vertices or triangles are.
+// src/study/regions.h – regions of a surface by where its vertices or triangles are.
 //
 // `points`: one per vertex, or one per triangle (its centroid). Frame: that of the surface. Points that are not finite
 // are refused: UsageError.
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/results/comparison.h>
+#include "src/results/comparison.h"
 
 namespace dea {
 

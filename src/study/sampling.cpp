@@ -1,4 +1,4 @@
-#include <febiodea/study/sampling.h>
+#include "src/study/sampling.h"
 
 #include <algorithm>
 #include <boost/math/distributions/lognormal.hpp>
@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

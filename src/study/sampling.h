@@ -1,4 +1,4 @@
-// febiodea/study/sampling.h – values of factors drawn from their spreads.
+// src/study/sampling.h – values of factors drawn from their spreads.
 #pragma once
 #include <cstdint>
 #include <vector>

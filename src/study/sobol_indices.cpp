@@ -1,5 +1,5 @@
 // Compiled without contraction into fused operations, which would change the last bits from machine to machine.
-#include <febiodea/study/sobol_indices.h>
+#include "src/study/sobol_indices.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -9,8 +9,8 @@
 #include <random>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/results/percentile.h>
+#include "src/base/error.h"
+#include "src/results/percentile.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/study/sobol_indices.h – shares of a result's variance that its factors have, from Saltelli's design.
+// src/study/sobol_indices.h – shares of a result's variance that its factors have, from Saltelli's design.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include <febiodea/study/summary.h>
+#include "src/study/summary.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/study/summary.h>
+#include "src/study/summary.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/results/percentile.h>
+#include "src/base/error.h"
+#include "src/results/percentile.h"
 
 namespace dea {
 

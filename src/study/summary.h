@@ -1,4 +1,4 @@
-// febiodea/study/summary.h – one number of many cases: quartiles, whiskers, mean and spread; bands over a cycle.
+// src/study/summary.h – one number of many cases: quartiles, whiskers, mean and spread; bands over a cycle.
 //
 // Everywhere in a study's numbers: a value that is NaN or infinite is that of a failed case. It is left out and
 // counted, never taken for a number. Nothing depends on the order of the cases, to the last bit. Units are those of the
@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "analytic/concentric_spheres.h"
-#include "analytic/sphere_on_flat.h"
+#include "tests/analytic/concentric_spheres.h"
+#include "tests/analytic/sphere_on_flat.h"
 
 namespace dea::analytic_test {
 using namespace analytic;

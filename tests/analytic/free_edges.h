@@ -9,8 +9,8 @@
 #include <functional>
 #include <vector>
 
-#include "analytic/eight_nodes.h"
-#include "analytic/linear_systems.h"
+#include "tests/analytic/eight_nodes.h"
+#include "tests/analytic/linear_systems.h"
 
 namespace dea::analytic {
 

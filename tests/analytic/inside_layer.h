@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "analytic/linear_systems.h"
+#include "tests/analytic/linear_systems.h"
 
 namespace dea::analytic {
 

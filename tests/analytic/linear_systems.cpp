@@ -1,4 +1,4 @@
-#include "analytic/linear_systems.h"
+#include "tests/analytic/linear_systems.h"
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "analytic/linear_systems.h"
+#include "tests/analytic/linear_systems.h"
 
 namespace dea::analytic {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <cmath>
 
-#include "analytic/concentric_spheres.h"
+#include "tests/analytic/concentric_spheres.h"
 
 namespace dea::analytic {
 

@@ -1,5 +1,5 @@
 // Frames from landmarks, and the measures of a hip: against answers on paper, mirrored, moved, refused.
-#include <febiodea/build/anatomy.h>
+#include "src/build/anatomy.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <fstream>
 #include <functional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/io/build/landmarks.h>
-#include <febiodea/io/settings/settings_xml.h>
+#include "io/build/landmarks.h"
+#include "io/settings/settings_xml.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/build/mend_surface.h"
 
-#include "build/build_shapes.h"
-#include "program.h"
+#include "tests/build/build_shapes.h"
+#include "tests/program.h"
 
 namespace dea::test {
 namespace {

@@ -1,16 +1,16 @@
 // The page of dea build: its numbers against answers on paper, names that look like markup.
-#include <febiodea/views/build_page/build_page.h>
+#include "views/build_page/build_page.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/views/data/json.h>
-#include <febiodea/views/text/build_text.h>
+#include "src/build/mend_surface.h"
+#include "views/data/json.h"
+#include "views/text/build_text.h"
 
-#include "build/build_shapes.h"
-#include "report/page_arrays.h"
+#include "tests/build/build_shapes.h"
+#include "tests/report/page_arrays.h"
 
 namespace dea::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include <febiodea/geometry/triangle_surface.h>
+#include "src/geometry/triangle_surface.h"
 
 namespace dea::test {
 

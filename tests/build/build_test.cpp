@@ -1,5 +1,5 @@
 // Joints made of surfaces: against answers on paper, and what is mended, relaxed, refused.
-#include <febiodea/build/build_joint.h>
+#include "src/build/build_joint.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,18 +7,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/mend_surface.h>
-#include <febiodea/build/remesh.h>
-#include <febiodea/io/build/joint_feb.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/surfaces/read_surface.h>
-#include <febiodea/run/analysis.h>
+#include "io/build/joint_feb.h"
+#include "io/feb/read_feb.h"
+#include "io/surfaces/read_surface.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/build/mend_surface.h"
+#include "src/build/remesh.h"
+#include "src/run/analysis.h"
 
-#include "analytic/concentric_spheres.h"
-#include "build/build_shapes.h"
-#include "program.h"
+#include "tests/analytic/concentric_spheres.h"
+#include "tests/build/build_shapes.h"
+#include "tests/program.h"
 
 namespace dea::test {
 namespace {

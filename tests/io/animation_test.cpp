@@ -11,15 +11,15 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/views/map/draw_map.h>
-#include <febiodea/views/map/gif.h>
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/map/map_paint.h>
-#include "plot_files.h"
-#include "program.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "tests/io/plot_files.h"
+#include "tests/program.h"
+#include "views/map/draw_map.h"
+#include "views/map/gif.h"
+#include "views/map/map_figure.h"
+#include "views/map/map_paint.h"
 
 namespace dea::animation_test {
 

@@ -21,8 +21,8 @@
 #include <sstream>
 #include <thread>
 
-#include <febiodea/io/xplt/xplt.h>
-#include "program.h"
+#include "io/xplt/xplt.h"
+#include "tests/program.h"
 
 namespace dea::cli_test {
 

@@ -1,5 +1,5 @@
 // The colour maps: what they promise to the eye, and to eyes without red or green cones.
-#include <febiodea/views/map/colour_map.h>
+#include "views/map/colour_map.h"
 
 #include <gtest/gtest.h>
 

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/views/compare/compare_files.h>
-#include "program.h"
+#include "src/base/error.h"
+#include "tests/program.h"
+#include "views/compare/compare_files.h"
 
 namespace dea::compare_test {
 

@@ -8,14 +8,14 @@
 #include <map>
 #include <stdexcept>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/convert/convert_feb.h>
-#include <febiodea/io/convert/xml_places.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/run/analysis.h>
-#include "program.h"
+#include "io/convert/convert_feb.h"
+#include "io/convert/xml_places.h"
+#include "io/feb/read_feb.h"
+#include "io/settings/setting_words.h"
+#include "src/base/error.h"
+#include "src/model/settings_table.h"
+#include "src/run/analysis.h"
+#include "tests/program.h"
 
 namespace dea::convert_test {
 

@@ -1,5 +1,5 @@
 // Stress and strain inside the cartilage, from outside: what the program writes, and what it makes of plot files.
-#include <febiodea/io/results/inside_rows.h>
+#include "io/results/inside_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include <febiodea/base/decompositions.h>
-#include <febiodea/model/element_shape.h>
-#include "program.h"
+#include "src/base/decompositions.h"
+#include "src/model/element_shape.h"
+#include "tests/program.h"
 
 namespace dea::inside_test {
 

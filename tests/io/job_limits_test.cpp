@@ -9,14 +9,14 @@
 #include <map>
 #include <string>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/free_memory.h>
-#include <febiodea/io/files/job_limits.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/io/surfaces/read_surface.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/io/xplt/xplt.h>
+#include "io/feb/read_feb.h"
+#include "io/files/free_memory.h"
+#include "io/files/job_limits.h"
+#include "io/settings/settings_xml.h"
+#include "io/surfaces/read_surface.h"
+#include "io/tables/text_table.h"
+#include "io/xplt/xplt.h"
+#include "src/base/error.h"
 
 namespace dea::job_limits_test {
 

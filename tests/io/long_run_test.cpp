@@ -7,17 +7,17 @@
 #include <csignal>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/files/spool.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/run/recognise.h>
-#include <febiodea/views/data/run_csv.h>
-#include <febiodea/views/data/run_json.h>
-#include <febiodea/views/run_model.h>
-#include "program.h"
-#include "resident.h"
+#include "io/feb/read_feb.h"
+#include "io/files/spool.h"
+#include "io/results/plot_file.h"
+#include "io/vtu/write_vtu.h"
+#include "src/base/error.h"
+#include "src/run/recognise.h"
+#include "tests/io/resident.h"
+#include "tests/program.h"
+#include "views/data/run_csv.h"
+#include "views/data/run_json.h"
+#include "views/run_model.h"
 
 namespace dea::long_run_test {
 

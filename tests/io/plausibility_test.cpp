@@ -1,5 +1,5 @@
 // What is told of numbers that no joint has: one line each, and none for joints.
-#include <febiodea/views/text/plausibility.h>
+#include "views/text/plausibility.h"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/views/text/remarks.h>
-#include "src/test_models.h"
+#include "io/feb/read_feb.h"
+#include "src/base/numbers.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
+#include "views/text/remarks.h"
 
 namespace dea::plausibility_test {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/results/result_file.h>
+#include "io/results/result_file.h"
+#include "src/base/numbers.h"
 
 namespace dea::test {
 

@@ -11,14 +11,14 @@
 #include <functional>
 #include <map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/draw_map.h>
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/map/map_scale.h>
-#include "plot_files.h"
-#include "program.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "tests/io/plot_files.h"
+#include "tests/program.h"
+#include "views/map/draw_map.h"
+#include "views/map/map_figure.h"
+#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
 
 namespace dea::plot_test {
 

@@ -1,5 +1,5 @@
 // The progress line: when it is written, what it says, and that nothing of it is left behind.
-#include <febiodea/app/progress.h>
+#include "app/progress.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

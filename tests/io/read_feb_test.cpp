@@ -1,4 +1,4 @@
-#include <febiodea/io/feb/read_feb.h>
+#include "io/feb/read_feb.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <set>
 #include <sstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/model/load_curve.h>
+#include "src/base/error.h"
+#include "src/model/load_curve.h"
 
 namespace dea::read_feb_test {
 

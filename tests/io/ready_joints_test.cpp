@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/views/joint_uses.h>
-#include <febiodea/views/ready_joints.h>
-#include <febiodea/views/run_study.h>
-#include "resident.h"
+#include "src/base/error.h"
+#include "tests/io/resident.h"
+#include "views/joint_uses.h"
+#include "views/ready_joints.h"
+#include "views/run_study.h"
 
 namespace dea::ready_joints_test {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/states.h>
-#include <febiodea/views/run_study.h>
+#include "io/feb/read_feb.h"
+#include "src/run/analysis.h"
+#include "src/run/states.h"
+#include "views/run_study.h"
 
 namespace dea::run_study_test {
 

@@ -1,5 +1,5 @@
 // Settings as text: every option, every refusal, and what lies over what.
-#include <febiodea/io/settings/settings_xml.h>
+#include "io/settings/settings_xml.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea::settings_xml_test {
 

@@ -7,15 +7,15 @@
 #include <filesystem>
 #include <fstream>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/io/study/study_file.h>
-#include <febiodea/io/study/study_schema.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/results/contact_numbers.h>
+#include "io/study/read_study.h"
+#include "io/study/study_file.h"
+#include "io/study/study_schema.h"
+#include "io/tables/text_table.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/results/contact_numbers.h"
 
-#include "program.h"
+#include "tests/program.h"
 
 namespace dea::study_file_test {
 

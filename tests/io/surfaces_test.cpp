@@ -1,5 +1,5 @@
 // Surfaces from files: one shape in every format, and what is refused.
-#include <febiodea/io/surfaces/read_surface.h>
+#include "io/surfaces/read_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <cstring>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/files/packed_bytes.h>
+#include "io/files/encoded_text.h"
+#include "io/files/packed_bytes.h"
+#include "src/base/error.h"
 
-#include "io/text_file.h"
+#include "tests/io/text_file.h"
 
 namespace dea::surfaces_test {
 

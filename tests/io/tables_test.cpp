@@ -1,20 +1,20 @@
 // Tables of loads and motion from files: columns by name, units, OpenSim's headers, and what is refused.
-#include <febiodea/io/tables/read_tables.h>
 #include <fmt/format.h>
+#include "io/tables/read_tables.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/io/tables/number_table.h>
-#include <febiodea/model/settings_table.h>
+#include "io/settings/setting_words.h"
+#include "io/tables/number_table.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/model/settings_table.h"
 
-#include "io/text_file.h"
+#include "tests/io/text_file.h"
 
 namespace dea::tables_test {
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "program.h"
+#include "tests/program.h"
 
 namespace dea::test {
 

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/model/element_faces.h>
-#include "program.h"
+#include "io/vtu/write_vtu.h"
+#include "io/xplt/xplt.h"
+#include "src/base/numbers.h"
+#include "src/model/element_faces.h"
+#include "tests/program.h"
 
 namespace dea::vtu_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/io/xplt/xplt.h>
+#include "io/xplt/xplt.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 #include <csignal>
 #endif
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea::xplt_test {
 

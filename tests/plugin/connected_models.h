@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "febio_runs.h"
+#include "tests/plugin/febio_runs.h"
 
 namespace dea::test {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iostream>
 
-#include <febiodea/io/results/result_file.h>
-#include "febio_runs.h"
+#include "io/results/result_file.h"
+#include "tests/plugin/febio_runs.h"
 
 namespace dea::test {
 namespace {

@@ -15,8 +15,8 @@
 #include <fstream>
 #include <string>
 
-#include <febiodea/plugin/read_fe_model.h>
-#include "model_dump.h"
+#include "plugin/read_fe_model.h"
+#include "tests/plugin/model_dump.h"
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iostream>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/results/result_file.h>
-#include "febio_runs.h"
+#include "io/results/result_file.h"
+#include "src/base/numbers.h"
+#include "tests/plugin/febio_runs.h"
 
 namespace dea::test {
 namespace {

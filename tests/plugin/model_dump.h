@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include <febiodea/model/joint_model.h>
+#include "src/model/joint_model.h"
 
 namespace dea::test {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "febio_runs.h"
+#include "tests/plugin/febio_runs.h"
 
 namespace dea::test {
 namespace {

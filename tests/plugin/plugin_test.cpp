@@ -10,12 +10,12 @@
 #include <regex>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/feb/read_feb.h>
-#include "connected_models.h"
-#include "febio_runs.h"
-#include "model_dump.h"
-#include "program.h"
+#include "io/feb/read_feb.h"
+#include "src/base/error.h"
+#include "tests/plugin/connected_models.h"
+#include "tests/plugin/febio_runs.h"
+#include "tests/plugin/model_dump.h"
+#include "tests/program.h"
 
 namespace dea::test {
 namespace {

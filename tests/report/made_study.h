@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/io/study/study_file.h>
+#include "io/study/study_file.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
 
 namespace dea::test {
 

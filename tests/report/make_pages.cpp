@@ -4,8 +4,8 @@
 #include <chrono>
 #include <string>
 
-#include <febiodea/views/page/write_page.h>
-#include "synthetic.h"
+#include "tests/report/synthetic.h"
+#include "views/page/write_page.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "made_study.h"
+#include "tests/report/made_study.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

@@ -10,15 +10,15 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/page/pack.h>
-#include <febiodea/views/page/write_page.h>
-#include "io/plot_files.h"
-#include "page_arrays.h"
-#include "program.h"
-#include "synthetic.h"
+#include "tests/io/plot_files.h"
+#include "tests/program.h"
+#include "tests/report/page_arrays.h"
+#include "tests/report/synthetic.h"
+#include "views/map/map_figure.h"
+#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
+#include "views/page/pack.h"
+#include "views/page/write_page.h"
 
 namespace dea::report_test {
 

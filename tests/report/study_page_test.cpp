@@ -7,14 +7,14 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/tables/text_table.h>
-#include <febiodea/views/study_page/study_page.h>
-#include <febiodea/views/study_page/study_subjects.h>
-#include <febiodea/views/study_page/study_thinning.h>
-#include "made_study.h"
-#include "page_arrays.h"
-#include "program.h"
+#include "io/tables/text_table.h"
+#include "src/base/error.h"
+#include "tests/program.h"
+#include "tests/report/made_study.h"
+#include "tests/report/page_arrays.h"
+#include "views/study_page/study_page.h"
+#include "views/study_page/study_subjects.h"
+#include "views/study_page/study_thinning.h"
 
 namespace dea::study_page_test {
 

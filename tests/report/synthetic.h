@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/result_file.h>
+#include "io/results/result_file.h"
 
 namespace dea::test {
 

@@ -1,5 +1,5 @@
 // Measures of results against answers on paper: flat grids and caps of a sphere with pressures given as formulas.
-#include <febiodea/results/comparison.h>
+#include "src/results/comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <functional>
 #include <numeric>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea::comparison_test {
 

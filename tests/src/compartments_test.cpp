@@ -1,5 +1,5 @@
 // Surfaces in several pieces: what each carries, on paper.
-#include <febiodea/joint/compartments.h>
+#include "src/joint/compartments.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "io/results/plot_file.h"
+#include "io/xplt/xplt.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::compartments_test {
 

@@ -5,13 +5,13 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/equilibrium/body_forces.h>
-#include <febiodea/equilibrium/connectors.h>
-#include <febiodea/equilibrium/singular_parts.h>
-#include <febiodea/joint/placing.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/equilibrium/body_forces.h"
+#include "src/equilibrium/connectors.h"
+#include "src/equilibrium/singular_parts.h"
+#include "src/joint/placing.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::connections_test {
 

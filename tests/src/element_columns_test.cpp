@@ -1,4 +1,4 @@
-#include <febiodea/model/element_columns.h>
+#include "src/model/element_columns.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The table of element shapes against itself.
-#include <febiodea/model/element_shape.h>
+#include "src/model/element_shape.h"
 
 #include <gtest/gtest.h>
 

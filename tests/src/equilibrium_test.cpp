@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/equilibrium.h>
+#include "src/equilibrium/equilibrium.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 
-#include <febiodea/base/error.h>
-#include <febiodea/run/analysis.h>
-#include "analytic/concentric_spheres.h"
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/run/analysis.h"
+#include "tests/analytic/concentric_spheres.h"
+#include "tests/src/test_models.h"
 
 namespace dea::equilibrium_test {
 

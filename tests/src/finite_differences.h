@@ -1,8 +1,8 @@
 // tests/src/finite_differences.h – the derivative of a contact's forces, by trying.
 #pragma once
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/springs.h>
-#include <febiodea/springs/wrench.h>
+#include "src/springs/press.h"
+#include "src/springs/springs.h"
+#include "src/springs/wrench.h"
 
 namespace dea::test {
 

@@ -2,10 +2,10 @@
 // refused.
 #include <gtest/gtest.h>
 
-#include <febiodea/base/error.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/check.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/run/analysis.h"
+#include "src/run/check.h"
+#include "tests/src/test_models.h"
 
 namespace dea::given_thickness_test {
 

@@ -1,12 +1,12 @@
 // Numbers of springs, muscles and forces in place of the model's: answers on paper, the same as in the model itself,
 // and what is refused.
-#include <febiodea/joint/given_values.h>
+#include "src/joint/given_values.h"
 
 #include <gtest/gtest.h>
 
-#include <febiodea/base/error.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::given_values_test {
 

@@ -8,10 +8,10 @@
 #include <functional>
 #include <vector>
 
-#include <febiodea/springs/layer_inside.h>
-#include "analytic/inside_elements.h"
-#include "analytic/linear_systems.h"
-#include "src/layer_meshes.h"
+#include "src/springs/layer_inside.h"
+#include "tests/analytic/inside_elements.h"
+#include "tests/analytic/linear_systems.h"
+#include "tests/src/layer_meshes.h"
 
 namespace dea::test {
 

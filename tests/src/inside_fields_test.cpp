@@ -1,13 +1,13 @@
 // Stress and strain of a model's elements.
-#include <febiodea/results/inside_fields.h>
+#include "src/results/inside_fields.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include <febiodea/run/analysis.h>
-#include "src/test_models.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::inside_fields_test {
 

@@ -1,10 +1,10 @@
-#include <febiodea/results/inside.h>
+#include "src/results/inside.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "src/layer_meshes.h"
+#include "tests/src/layer_meshes.h"
 
 namespace dea::inside_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/joint/joint.h>
+#include "src/joint/joint.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,15 +9,15 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/joint/shared_ends.h>
-#include <febiodea/results/percentile.h>
-#include <febiodea/results/statistics.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/rotations.h"
+#include "src/joint/bodies.h"
+#include "src/joint/shared_ends.h"
+#include "src/results/percentile.h"
+#include "src/results/statistics.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::joint_test {
 

@@ -1,5 +1,5 @@
 // The layer law wired into springs and equilibrium: answers on paper, derivative, symmetry, invariance.
-#include <febiodea/springs/layer_bed.h>
+#include "src/springs/layer_bed.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,13 +9,13 @@
 #include <cmath>
 #include <thread>
 
-#include <febiodea/base/error.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/springs/place.h>
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/wrench.h>
-#include "finite_differences.h"
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/run/analysis.h"
+#include "src/springs/place.h"
+#include "src/springs/press.h"
+#include "src/springs/wrench.h"
+#include "tests/src/finite_differences.h"
+#include "tests/src/test_models.h"
 
 namespace dea::layer_bed_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_contact.h>
+#include "src/springs/layer_contact.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,11 +10,11 @@
 #include <string>
 #include <utility>
 
-#include "analytic/elastic_layer.h"
-#include "analytic/free_edges.h"
-#include "analytic/linear_systems.h"
-#include "analytic/neo_hookean_layer.h"
-#include "src/layer_meshes.h"
+#include "tests/analytic/elastic_layer.h"
+#include "tests/analytic/free_edges.h"
+#include "tests/analytic/linear_systems.h"
+#include "tests/analytic/neo_hookean_layer.h"
+#include "tests/src/layer_meshes.h"
 
 namespace dea::layer_contact_test {
 

@@ -1,5 +1,5 @@
 // Which facets of a selection slide, and what is beyond their rim: blocks whose answers are counted by hand.
-#include <febiodea/joint/layer_face.h>
+#include "src/joint/layer_face.h"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +10,12 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/joint/joint.h>
-#include <febiodea/model/element_faces.h>
-#include "test_models.h"
+#include "io/settings/setting_words.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/joint/joint.h"
+#include "src/model/element_faces.h"
+#include "tests/src/test_models.h"
 
 namespace dea::layer_face_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_inside.h>
+#include "src/springs/layer_inside.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <string>
 
-#include "analytic/elastic_layer.h"
-#include "analytic/inside_layer.h"
-#include "src/inside_cases.h"
-#include "src/layer_meshes.h"
+#include "tests/analytic/elastic_layer.h"
+#include "tests/analytic/inside_layer.h"
+#include "tests/src/inside_cases.h"
+#include "tests/src/layer_meshes.h"
 
 namespace dea::layer_inside_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_kernel.h>
+#include "src/springs/layer_kernel.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/geometry/foot_parts.h>
-#include <febiodea/springs/layer_operator.h>
+#include "src/geometry/foot_parts.h"
+#include "src/springs/layer_operator.h"
 
 namespace dea::test {
 

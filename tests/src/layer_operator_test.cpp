@@ -1,4 +1,4 @@
-#include <febiodea/springs/layer_operator.h>
+#include "src/springs/layer_operator.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "analytic/linear_systems.h"
-#include "src/layer_meshes.h"
+#include "tests/analytic/linear_systems.h"
+#include "tests/src/layer_meshes.h"
 
 namespace dea::layer_operator_test {
 

@@ -1,11 +1,11 @@
-#include <febiodea/model/load_curve.h>
+#include "src/model/load_curve.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include <febiodea/base/error.h>
+#include "src/base/error.h"
 
 namespace dea::load_curve_test {
 

@@ -1,13 +1,13 @@
-#include <febiodea/joint/moved_nodes.h>
+#include "src/joint/moved_nodes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::moved_nodes_test {
 

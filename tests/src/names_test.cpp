@@ -1,5 +1,5 @@
 // Distances counted by hand.
-#include <febiodea/base/names.h>
+#include "src/base/names.h"
 
 #include <gtest/gtest.h>
 

@@ -1,16 +1,16 @@
 // Bodies placed before they start, and rows of loads and motion: answers on paper, and the same model turned by hand.
-#include <febiodea/joint/placing.h>
+#include "src/joint/placing.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/rotations.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/states.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/base/rotations.h"
+#include "src/run/analysis.h"
+#include "src/run/states.h"
+#include "tests/src/test_models.h"
 
 namespace dea::placing_test {
 

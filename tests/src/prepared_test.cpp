@@ -1,5 +1,5 @@
 // A joint made ready once: the same bits whoever uses it, forces that are the integral of the pressures, and a stop.
-#include <febiodea/run/prepared.h>
+#include "src/run/prepared.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <ctime>
 #include <thread>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::prepared_test {
 

@@ -1,12 +1,12 @@
 // Sentences that name settings, and how each front end words them.
-#include <febiodea/base/sentence.h>
+#include "src/base/sentence.h"
 
 #include <gtest/gtest.h>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/say.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/plugin/febio_wording.h>
+#include "io/settings/setting_words.h"
+#include "plugin/febio_wording.h"
+#include "src/base/error.h"
+#include "src/base/say.h"
 
 namespace dea::sentence_test {
 

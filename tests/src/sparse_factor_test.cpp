@@ -1,5 +1,5 @@
 // Sparse factors against the same matrices as dense ones.
-#include <febiodea/springs/sparse_factor.h>
+#include "src/springs/sparse_factor.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "analytic/linear_systems.h"
+#include "tests/analytic/linear_systems.h"
 
 namespace dea::sparse_factor_test {
 

@@ -1,4 +1,4 @@
-#include <febiodea/springs/spring_law.h>
+#include "src/springs/spring_law.h"
 
 #include <gtest/gtest.h>
 

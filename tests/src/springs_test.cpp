@@ -1,17 +1,17 @@
-#include <febiodea/springs/springs.h>
+#include "src/springs/springs.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/springs/place.h>
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/wrench.h>
-#include "analytic/linear_systems.h"
-#include "finite_differences.h"
-#include "test_models.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/springs/place.h"
+#include "src/springs/press.h"
+#include "src/springs/wrench.h"
+#include "tests/analytic/linear_systems.h"
+#include "tests/src/finite_differences.h"
+#include "tests/src/test_models.h"
 
 namespace dea::springs_test {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/study/plan.h>
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "src/study/plan.h"
 
 namespace dea::study_plan_test {
 

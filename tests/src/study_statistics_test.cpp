@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
-#include <febiodea/study/dose.h>
-#include <febiodea/study/influence.h>
-#include <febiodea/study/mean_map.h>
-#include <febiodea/study/pairs.h>
-#include <febiodea/study/regions.h>
-#include <febiodea/study/sampling.h>
-#include <febiodea/study/sobol_indices.h>
-#include <febiodea/study/summary.h>
+#include "src/base/error.h"
+#include "src/study/dose.h"
+#include "src/study/influence.h"
+#include "src/study/mean_map.h"
+#include "src/study/pairs.h"
+#include "src/study/regions.h"
+#include "src/study/sampling.h"
+#include "src/study/sobol_indices.h"
+#include "src/study/summary.h"
 
-#include "src/study_statistics_numbers.h"
+#include "tests/src/study_statistics_numbers.h"
 
 namespace dea::study_statistics_test {
 

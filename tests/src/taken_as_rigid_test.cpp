@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/joint/bodies.h>
-#include <febiodea/run/analysis.h>
-#include "test_models.h"
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/joint/bodies.h"
+#include "src/run/analysis.h"
+#include "tests/src/test_models.h"
 
 namespace dea::taken_as_rigid_test {
 

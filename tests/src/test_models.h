@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/joint_model.h>
+#include "src/base/numbers.h"
+#include "src/model/joint_model.h"
 
 namespace dea::test {
 

@@ -1,5 +1,5 @@
 // Times as they were meant: sums of time steps, and single precision.
-#include <febiodea/base/time_text.h>
+#include "src/base/time_text.h"
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <febiodea/views/build_page/build_page.h>
+#include "views/build_page/build_page.h"
 
 #include <fmt/format.h>
 
@@ -7,17 +7,17 @@
 #include <filesystem>
 #include <numeric>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/build/clear_overlap.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/results/comparison.h>
-#include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/page/page.h>
-#include <febiodea/views/page/page_data.h>
-#include <febiodea/views/page/page_parts.h>
-#include <febiodea/views/text/build_text.h>
+#include "io/files/output.h"
+#include "io/files/unit_names.h"
+#include "src/base/numbers.h"
+#include "src/build/clear_overlap.h"
+#include "src/results/comparison.h"
+#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
+#include "views/page/page.h"
+#include "views/page/page_data.h"
+#include "views/page/page_parts.h"
+#include "views/text/build_text.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/views/build_page/build_page.h – a joint made by `dea build` as one HTML file that needs nothing else
+// views/build_page/build_page.h – a joint made by `dea build` as one HTML file that needs nothing else
 // (docs/from_scans.md, "The page").
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/views/data/build_json.h>
+#include "views/data/build_json.h"
 
 namespace dea {
 

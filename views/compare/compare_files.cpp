@@ -1,4 +1,4 @@
-#include <febiodea/views/compare/compare_files.h>
+#include "views/compare/compare_files.h"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,13 @@
 #include <cmath>
 #include <numeric>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/version.h>
+#include "io/files/unit_names.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/time_text.h"
+#include "src/version.h"
 
 namespace dea {
 

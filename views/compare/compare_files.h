@@ -1,14 +1,14 @@
-// febiodea/views/compare/compare_files.h – plot files side by side: which surfaces and states pair, and all numbers
+// views/compare/compare_files.h – plot files side by side: which surfaces and states pair, and all numbers
 // about them. The last file is the reference: every other one is compared with it.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/results/comparison.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/views/compare/compare_inside.h>
+#include "io/results/result_file.h"
+#include "src/results/comparison.h"
+#include "src/results/headline.h"
+#include "views/compare/compare_inside.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-#include <febiodea/views/compare/compare_inside.h>
+#include "views/compare/compare_inside.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/results/comparison.h>
+#include "src/results/comparison.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/views/compare/compare_inside.h – stress and strain of the same elements in several plot files.
+// views/compare/compare_inside.h – stress and strain of the same elements in several plot files.
 #pragma once
 #include <array>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/inside_rows.h>
-#include <febiodea/results/inside_numbers.h>
+#include "io/results/inside_rows.h"
+#include "src/results/inside_numbers.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/views/compare/quantities.h – the numbers of a comparison by name, for tables, JSON and CSV.
+// views/compare/quantities.h – the numbers of a comparison by name, for tables, JSON and CSV.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/views/compare/compare_files.h>
+#include "io/files/unit_names.h"
+#include "views/compare/compare_files.h"
 
 namespace dea {
 

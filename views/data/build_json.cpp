@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/version.h>
-#include <febiodea/views/data/build_json.h>
-#include <febiodea/views/text/plausibility.h>
+#include "src/base/numbers.h"
+#include "src/version.h"
+#include "views/data/build_json.h"
+#include "views/text/plausibility.h"
 
 namespace dea {
 

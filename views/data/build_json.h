@@ -1,12 +1,12 @@
-// febiodea/views/data/build_json.h – what dea build made, as JSON.
+// views/data/build_json.h – what dea build made, as JSON.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/build/anatomy.h>
-#include <febiodea/build/build_joint.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/views/data/json.h>
+#include "src/build/anatomy.h"
+#include "src/build/build_joint.h"
+#include "src/results/headline.h"
+#include "views/data/json.h"
 
 namespace dea {
 

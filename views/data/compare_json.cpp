@@ -1,14 +1,14 @@
-#include <febiodea/views/data/compare_json.h>
+#include "views/data/compare_json.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/version.h>
-#include <febiodea/views/compare/quantities.h>
-#include <febiodea/views/data/csv.h>
+#include "src/base/numbers.h"
+#include "src/version.h"
+#include "views/compare/quantities.h"
+#include "views/data/csv.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/views/data/compare_json.h – a comparison as JSON and CSV. Undefined numbers are null and empty.
+// views/data/compare_json.h – a comparison as JSON and CSV. Undefined numbers are null and empty.
 #pragma once
 #include <string>
 
-#include <febiodea/views/compare/compare_files.h>
-#include <febiodea/views/data/json.h>
+#include "views/compare/compare_files.h"
+#include "views/data/json.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/data/csv.h>
+#include "views/data/csv.h"
 
 #include <fmt/format.h>
 

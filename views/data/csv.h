@@ -1,4 +1,4 @@
-// febiodea/views/data/csv.h – cells of CSV.
+// views/data/csv.h – cells of CSV.
 #pragma once
 #include <string>
 

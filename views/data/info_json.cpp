@@ -1,11 +1,11 @@
-#include <febiodea/views/data/info_json.h>
+#include "views/data/info_json.h"
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/version.h>
-#include <febiodea/views/data/run_json.h>
-#include <febiodea/views/text/info_words.h>
-#include <febiodea/views/text/run_text.h>
+#include "io/settings/setting_words.h"
+#include "src/base/numbers.h"
+#include "src/version.h"
+#include "views/data/run_json.h"
+#include "views/text/info_words.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

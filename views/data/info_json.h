@@ -1,7 +1,7 @@
-// febiodea/views/data/info_json.h – what was recognised in a model, as JSON.
+// views/data/info_json.h – what was recognised in a model, as JSON.
 #pragma once
-#include <febiodea/run/check.h>
-#include <febiodea/views/data/json.h>
+#include "src/run/check.h"
+#include "views/data/json.h"
 
 namespace dea {
 

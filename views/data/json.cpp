@@ -1,5 +1,5 @@
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/views/data/json.h>
+#include "views/data/json.h"
+#include "io/files/unit_names.h"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
-// febiodea/views/data/json.h – values as JSON.
+// views/data/json.h – values as JSON.
 #pragma once
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include <febiodea/results/headline.h>
+#include "src/results/headline.h"
 
 namespace dea {
 

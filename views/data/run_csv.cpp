@@ -1,4 +1,4 @@
-#include <febiodea/views/data/run_csv.h>
+#include "views/data/run_csv.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/results/contact_numbers.h>
-#include <febiodea/views/data/csv.h>
+#include "src/base/numbers.h"
+#include "src/results/contact_numbers.h"
+#include "views/data/csv.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/views/data/run_csv.h – results of a run as CSV. Undefined numbers are empty.
+// views/data/run_csv.h – results of a run as CSV. Undefined numbers are empty.
 #pragma once
 #include <string>
 
-#include <febiodea/run/analysis.h>
+#include "src/run/analysis.h"
 
 namespace dea {
 

@@ -1,15 +1,15 @@
-#include <febiodea/views/data/run_json.h>
+#include "views/data/run_json.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/version.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
+#include "src/base/numbers.h"
+#include "src/model/settings_table.h"
+#include "src/version.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

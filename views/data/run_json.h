@@ -1,10 +1,10 @@
-// febiodea/views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
+// views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
 #pragma once
 #include <functional>
 
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/convergence.h>
-#include <febiodea/views/data/json.h>
+#include "src/run/analysis.h"
+#include "src/run/convergence.h"
+#include "views/data/json.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/map/colour_map.h>
+#include "views/map/colour_map.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/known_maps.h>
+#include "src/base/numbers.h"
+#include "views/map/known_maps.h"
 
 namespace dea {
 

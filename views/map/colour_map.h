@@ -1,4 +1,4 @@
-// febiodea/views/map/colour_map.h – numbers as colours: equal steps of the number are equal steps of what the eye sees.
+// views/map/colour_map.h – numbers as colours: equal steps of the number are equal steps of what the eye sees.
 //
 // Sequential and Diverging are curves in OKLab (B. Ottosson 2020, "A perceptual color space for image processing"), in
 // which distances are those the eye sees, passed through at constant speed. They stay in order for readers with red or

@@ -1,4 +1,4 @@
-#include <febiodea/views/map/draw_map.h>
+#include "views/map/draw_map.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <functional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/map_paint.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/map/pen.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/map/map_paint.h"
+#include "views/map/map_scale.h"
+#include "views/map/pen.h"
 
 namespace dea {
 

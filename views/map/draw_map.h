@@ -1,10 +1,10 @@
-// febiodea/views/map/draw_map.h – panels on paper: PNG, SVG or PDF, by Cairo. SVG and PDF are lines and areas, no
+// views/map/draw_map.h – panels on paper: PNG, SVG or PDF, by Cairo. SVG and PDF are lines and areas, no
 // bitmaps.
 #pragma once
 #include <string>
 
-#include <febiodea/views/map/map_figure.h>
-#include <febiodea/views/map/picture_format.h>
+#include "views/map/map_figure.h"
+#include "views/map/picture_format.h"
 
 namespace dea {
 

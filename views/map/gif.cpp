@@ -1,4 +1,4 @@
-#include <febiodea/views/map/gif.h>
+#include "views/map/gif.h"
 
 #include <gif_lib.h>
 
@@ -10,9 +10,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/map_paint.h>
-#include <febiodea/views/map/map_scale.h>
+#include "src/base/numbers.h"
+#include "views/map/map_paint.h"
+#include "views/map/map_scale.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/map/gif.h – pictures that move, as GIF: frame by frame, in colours that are those of the map.
+// views/map/gif.h – pictures that move, as GIF: frame by frame, in colours that are those of the map.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/views/map/colour_map.h>
-#include <febiodea/views/map/picture_format.h>
+#include "views/map/colour_map.h"
+#include "views/map/picture_format.h"
 
 namespace dea {
 

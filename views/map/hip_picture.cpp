@@ -1,4 +1,4 @@
-#include <febiodea/views/map/hip_picture.h>
+#include "views/map/hip_picture.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/pen.h>
+#include "src/base/numbers.h"
+#include "views/map/pen.h"
 
 namespace dea {
 

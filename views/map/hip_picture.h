@@ -1,9 +1,9 @@
-// febiodea/views/map/hip_picture.h – what was measured of a hip, as a picture.
+// views/map/hip_picture.h – what was measured of a hip, as a picture.
 #pragma once
 #include <string>
 
-#include <febiodea/build/hip_measures.h>
-#include <febiodea/views/map/picture_format.h>
+#include "src/build/hip_measures.h"
+#include "views/map/picture_format.h"
 
 namespace dea {
 

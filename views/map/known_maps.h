@@ -1,4 +1,4 @@
-// febiodea/views/map/known_maps.h – colour maps that users know by name, in 256 colours of 8 bits as matplotlib has
+// views/map/known_maps.h – colour maps that users know by name, in 256 colours of 8 bits as matplotlib has
 // them.
 //
 // viridis: N. Smith, S. van der Walt, E. Firing (2015), CC0. cividis: J. R. Nunez, C. R. Anderton, R. S. Renslow

@@ -1,4 +1,4 @@
-#include <febiodea/views/map/map_figure.h>
+#include "views/map/map_figure.h"
 
 #include <fmt/format.h>
 
@@ -7,16 +7,16 @@
 #include <limits>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/results/inside_rows.h>
-#include <febiodea/results/headline.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/text/table.h>
+#include "io/files/unit_names.h"
+#include "io/results/inside_rows.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/base/time_text.h"
+#include "src/results/headline.h"
+#include "views/map/map_scale.h"
+#include "views/text/table.h"
 
 namespace dea {
 

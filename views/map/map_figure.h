@@ -1,4 +1,4 @@
-// febiodea/views/map/map_figure.h – plot files and wishes become panels with one scale, ready to be drawn. No pens, no
+// views/map/map_figure.h – plot files and wishes become panels with one scale, ready to be drawn. No pens, no
 // paper.
 #pragma once
 #include <functional>
@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/views/map/colour_map.h>
-#include <febiodea/views/map/map_geometry.h>
+#include "io/results/result_file.h"
+#include "views/map/colour_map.h"
+#include "views/map/map_geometry.h"
 
 namespace dea {
 

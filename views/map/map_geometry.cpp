@@ -1,4 +1,4 @@
-#include <febiodea/views/map/map_geometry.h>
+#include "views/map/map_geometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

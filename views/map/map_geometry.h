@@ -1,10 +1,10 @@
-// febiodea/views/map/map_geometry.h – a surface laid on paper: triangles, projection, what hides what, outlines and
+// views/map/map_geometry.h – a surface laid on paper: triangles, projection, what hides what, outlines and
 // contours. No colours, no files.
 #pragma once
 #include <array>
 #include <vector>
 
-#include <febiodea/results/comparison.h>
+#include "src/results/comparison.h"
 
 namespace dea {
 

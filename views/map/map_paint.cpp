@@ -1,9 +1,9 @@
-#include <febiodea/views/map/map_paint.h>
+#include "views/map/map_paint.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/views/map/map_paint.h – which triangles of a panel have which colour. For pictures (`draw_map.h`) and for
+// views/map/map_paint.h – which triangles of a panel have which colour. For pictures (`draw_map.h`) and for
 // whoever draws the same with pens of his own.
 #pragma once
 #include <vector>
 
-#include <febiodea/views/map/map_figure.h>
+#include "views/map/map_figure.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-#include <febiodea/views/map/map_scale.h>
+#include "views/map/map_scale.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/map/map_scale.h – the one rule for the scale of maps: where its ends are, which lines of equal value
+// views/map/map_scale.h – the one rule for the scale of maps: where its ends are, which lines of equal value
 // are drawn. For pictures (`dea plot`) and for the page, which gets the numbers.
 #pragma once
 #include <array>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/results/comparison.h>
-#include <febiodea/views/map/colour_map.h>
+#include "src/results/comparison.h"
+#include "views/map/colour_map.h"
 
 namespace dea {
 

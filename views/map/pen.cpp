@@ -1,4 +1,4 @@
-#include <febiodea/views/map/pen.h>
+#include "views/map/pen.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -9,9 +9,9 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/files/output.h>
+#include "io/files/encoded_text.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
 
 namespace dea {
 

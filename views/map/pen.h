@@ -1,4 +1,4 @@
-// febiodea/views/map/pen.h – Cairo's pens and papers. The only header that includes Cairo.
+// views/map/pen.h – Cairo's pens and papers. The only header that includes Cairo.
 #pragma once
 #include <cairo.h>
 
@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include <febiodea/views/map/colour_map.h>
-#include <febiodea/views/map/picture_format.h>
+#include "views/map/colour_map.h"
+#include "views/map/picture_format.h"
 
 namespace dea {
 

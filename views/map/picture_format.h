@@ -1,4 +1,4 @@
-// febiodea/views/map/picture_format.h – what a picture's file is.
+// views/map/picture_format.h – what a picture's file is.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-#include <febiodea/views/page/pack.h>
+#include "views/page/pack.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/io/files/packed_bytes.h>
+#include "io/files/encoded_text.h"
+#include "io/files/packed_bytes.h"
 
 namespace dea {
 

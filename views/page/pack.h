@@ -1,4 +1,4 @@
-// febiodea/views/page/pack.h – arrays as text inside a page: byte planes, zlib, base64. page/data.js reads them.
+// views/page/pack.h – arrays as text inside a page: byte planes, zlib, base64. page/data.js reads them.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 // The files are taken in by the assembler; CMake says where they are and builds this again when one changes.
-#include <febiodea/views/page/page.h>
+#include "views/page/page.h"
 
 #define DEA_EMBED(name, file)                                                                                    \
   __asm__(                                                                                                       \

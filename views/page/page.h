@@ -1,4 +1,4 @@
-// febiodea/views/page/page.h – the files of page/ and vendor/, as they stand in the program.
+// views/page/page.h – the files of page/ and vendor/, as they stand in the program.
 #pragma once
 #include <string_view>
 

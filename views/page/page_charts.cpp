@@ -1,12 +1,12 @@
-#include <febiodea/views/page/page_charts.h>
+#include "views/page/page_charts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/text/run_text.h>
+#include "src/base/numbers.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/views/page/page_charts.h – curves over time on the page of a run.
+// views/page/page_charts.h – curves over time on the page of a run.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/run/analysis.h>
+#include "src/run/analysis.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/page/page_context.h>
+#include "views/page/page_context.h"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <map>
 #include <unordered_map>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/model/element_faces.h>
+#include "src/base/numbers.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/page/page_context.h – the rest of the mesh, which a page draws as a veil around the surfaces.
+// views/page/page_context.h – the rest of the mesh, which a page draws as a veil around the surfaces.
 #pragma once
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/results/result_file.h>
+#include "io/results/result_file.h"
 
 namespace dea {
 

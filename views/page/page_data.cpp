@@ -1,4 +1,4 @@
-#include <febiodea/views/page/page_data.h>
+#include "views/page/page_data.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -9,12 +9,12 @@
 #include <map>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/text/compare_text.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/map/map_geometry.h"
+#include "views/text/compare_text.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-// febiodea/views/page/page_data.h – everything a page shows, as plain numbers: made here, drawn there.
+// views/page/page_data.h – everything a page shows, as plain numbers: made here, drawn there.
 //
 // Frame: reference configuration, as in src/results/comparison.h: a surface keeps its place while the states go by.
 // Whatever is printed as a number on the page is computed here or comes from `compare_files` and `analyse`; the page
@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/results/result_file.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/views/compare/compare_files.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/page/page_charts.h>
-#include <febiodea/views/page/page_context.h>
-#include <febiodea/views/text/table.h>
+#include "io/files/unit_names.h"
+#include "io/results/result_file.h"
+#include "src/run/analysis.h"
+#include "views/compare/compare_files.h"
+#include "views/map/map_scale.h"
+#include "views/page/page_charts.h"
+#include "views/page/page_context.h"
+#include "views/text/table.h"
 
 namespace dea {
 

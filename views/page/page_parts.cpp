@@ -1,15 +1,15 @@
-#include <febiodea/views/page/page_parts.h>
+#include "views/page/page_parts.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <map>
 
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/version.h>
-#include <febiodea/views/map/colour_map.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/page/page.h>
+#include "io/files/encoded_text.h"
+#include "src/version.h"
+#include "views/map/colour_map.h"
+#include "views/map/map_scale.h"
+#include "views/page/page.h"
 
 namespace dea {
 

@@ -1,14 +1,14 @@
-// febiodea/views/page/page_parts.h – what all pages are made of: arrays, numbers and tables as JSON, the frame around
+// views/page/page_parts.h – what all pages are made of: arrays, numbers and tables as JSON, the frame around
 // them.
 #pragma once
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <febiodea/results/comparison.h>
-#include <febiodea/views/data/json.h>
-#include <febiodea/views/page/pack.h>
-#include <febiodea/views/text/table.h>
+#include "src/results/comparison.h"
+#include "views/data/json.h"
+#include "views/page/pack.h"
+#include "views/text/table.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/page/write_page.h>
+#include "views/page/write_page.h"
 
 #include <fmt/format.h>
 
@@ -6,15 +6,15 @@
 #include <cmath>
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/views/data/json.h>
-#include <febiodea/views/page/pack.h>
-#include <febiodea/views/page/page.h>
-#include <febiodea/views/page/page_parts.h>
-#include <febiodea/views/text/info_text.h>
-#include <febiodea/views/text/table.h>
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/time_text.h"
+#include "views/data/json.h"
+#include "views/page/pack.h"
+#include "views/page/page.h"
+#include "views/page/page_parts.h"
+#include "views/text/info_text.h"
+#include "views/text/table.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/views/page/write_page.h – results as one HTML file that needs nothing else, no network either.
+// views/page/write_page.h – results as one HTML file that needs nothing else, no network either.
 #pragma once
 #include <string>
 
-#include <febiodea/io/files/output.h>
-#include <febiodea/views/page/page_data.h>
+#include "io/files/output.h"
+#include "views/page/page_data.h"
 
 namespace dea {
 

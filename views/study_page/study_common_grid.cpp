@@ -1,11 +1,11 @@
-#include <febiodea/views/study_page/study_common_grid.h>
+#include "views/study_page/study_common_grid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

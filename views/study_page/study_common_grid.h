@@ -1,4 +1,4 @@
-// febiodea/views/study_page/study_common_grid.h – one grid for surfaces with meshes of their own, such as the sockets
+// views/study_page/study_common_grid.h – one grid for surfaces with meshes of their own, such as the sockets
 // of several subjects: what their maps are averaged on.
 #pragma once
 #include <array>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/views/study_page/study_surfaces.h>
+#include "views/study_page/study_surfaces.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_json.h>
+#include "views/study_page/study_json.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <map>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/io/files/encoded_text.h>
-#include <febiodea/views/study_page/study_thinning.h>
+#include "io/files/encoded_text.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "views/study_page/study_thinning.h"
 
 namespace dea {
 

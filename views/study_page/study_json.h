@@ -1,8 +1,8 @@
-// febiodea/views/study_page/study_json.h – a study's numbers and statistics as the JSON of its page.
+// views/study_page/study_json.h – a study's numbers and statistics as the JSON of its page.
 #pragma once
-#include <febiodea/views/page/page_parts.h>
-#include <febiodea/views/study_page/study_numbers.h>
-#include <febiodea/views/study_page/study_statistics.h>
+#include "views/page/page_parts.h"
+#include "views/study_page/study_numbers.h"
+#include "views/study_page/study_statistics.h"
 
 namespace dea {
 

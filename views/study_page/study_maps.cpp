@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_maps.h>
+#include "views/study_page/study_maps.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <map>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/study_page/study_thinning.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "views/map/map_scale.h"
+#include "views/study_page/study_thinning.h"
 
 namespace dea {
 

@@ -1,15 +1,15 @@
-// febiodea/views/study_page/study_maps.h – stored pressures of a study as maps of its page: per case and state, what
+// views/study_page/study_maps.h – stored pressures of a study as maps of its page: per case and state, what
 // each place bears over the cycle, means of many cases.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/study/dose.h>
-#include <febiodea/views/page/page_parts.h>
-#include <febiodea/views/study_page/study_json.h>
-#include <febiodea/views/study_page/study_regions.h>
-#include <febiodea/views/study_page/study_surfaces.h>
+#include "src/study/dose.h"
+#include "views/page/page_parts.h"
+#include "views/study_page/study_json.h"
+#include "views/study_page/study_regions.h"
+#include "views/study_page/study_surfaces.h"
 
 namespace dea {
 

@@ -6,10 +6,10 @@
 #include <tuple>
 #include <utility>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/study/mean_map.h>
-#include <febiodea/views/study_page/study_common_grid.h>
-#include <febiodea/views/study_page/study_maps.h>
+#include "src/base/numbers.h"
+#include "src/study/mean_map.h"
+#include "views/study_page/study_common_grid.h"
+#include "views/study_page/study_maps.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_numbers.h>
+#include "views/study_page/study_numbers.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 #include <numeric>
 #include <unordered_map>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/parse.h>
-#include <febiodea/equilibrium/search.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/results/inside_numbers.h>
+#include "io/feb/read_feb.h"
+#include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/equilibrium/search.h"
+#include "src/results/inside_numbers.h"
 
 namespace dea {
 

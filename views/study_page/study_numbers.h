@@ -1,4 +1,4 @@
-// febiodea/views/study_page/study_numbers.h – a study's numbers as arrays: what is asked of all cases together begins
+// views/study_page/study_numbers.h – a study's numbers as arrays: what is asked of all cases together begins
 // here.
 //
 // A number of a state that is no solution is NaN, whatever the file has: it is that of a failed case everywhere below.
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/study/read_study.h>
-#include <febiodea/io/study/study_rows.h>
+#include "io/files/unit_names.h"
+#include "io/study/read_study.h"
+#include "io/study/study_rows.h"
 
 namespace dea {
 

@@ -1,15 +1,15 @@
-#include <febiodea/views/study_page/study_page.h>
+#include "views/study_page/study_page.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include <febiodea/base/error.h>
-#include <febiodea/io/files/output.h>
-#include <febiodea/views/page/page.h>
-#include <febiodea/views/page/page_data.h>
-#include <febiodea/views/study_page/study_subjects.h>
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "views/page/page.h"
+#include "views/page/page_data.h"
+#include "views/study_page/study_subjects.h"
 
 namespace dea {
 

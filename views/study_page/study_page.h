@@ -1,4 +1,4 @@
-// febiodea/views/study_page/study_page.h – a study as one HTML file that needs nothing else (docs/studies.md, "The
+// views/study_page/study_page.h – a study as one HTML file that needs nothing else (docs/studies.md, "The
 // page").
 //
 // All statistics are those of src/study; the page chooses among them and draws.
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/views/study_page/study_maps.h>
+#include "views/study_page/study_maps.h"
 
 namespace dea {
 

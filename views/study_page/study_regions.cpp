@@ -1,10 +1,10 @@
-#include <febiodea/views/study_page/study_regions.h>
+#include "views/study_page/study_regions.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/views/study_page/study_regions.h – parts of a surface as places of a study, with numbers of their own.
+// views/study_page/study_regions.h – parts of a surface as places of a study, with numbers of their own.
 #pragma once
 #include <optional>
 #include <string>
 
-#include <febiodea/study/regions.h>
-#include <febiodea/views/study_page/study_surfaces.h>
+#include "src/study/regions.h"
+#include "views/study_page/study_surfaces.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_statistics.h>
+#include "views/study_page/study_statistics.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <map>
 #include <numeric>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

@@ -1,15 +1,15 @@
-// febiodea/views/study_page/study_statistics.h – what src/study says of a study's numbers: which factors matter,
+// views/study_page/study_statistics.h – what src/study says of a study's numbers: which factors matter,
 // groups, pairs, bands over the cycle. Each of one statistic, at one place, of one choice of states (StudyNumbers).
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <febiodea/study/influence.h>
-#include <febiodea/study/pairs.h>
-#include <febiodea/study/sobol_indices.h>
-#include <febiodea/study/summary.h>
-#include <febiodea/views/study_page/study_numbers.h>
+#include "src/study/influence.h"
+#include "src/study/pairs.h"
+#include "src/study/sobol_indices.h"
+#include "src/study/summary.h"
+#include "views/study_page/study_numbers.h"
 
 namespace dea {
 

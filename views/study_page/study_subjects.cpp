@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_subjects.h>
+#include "views/study_page/study_subjects.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
-#include <febiodea/base/parse.h>
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/base/parse.h"
 
 namespace dea {
 

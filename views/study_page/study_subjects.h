@@ -1,8 +1,8 @@
-// febiodea/views/study_page/study_subjects.h – what a table tells of a study's models, cases or values of a factor,
+// views/study_page/study_subjects.h – what a table tells of a study's models, cases or values of a factor,
 // such as subject, sex, side, before or after: columns that groups and pairs are made by. No case depends on them.
 #pragma once
-#include <febiodea/study/plan.h>
-#include <febiodea/views/study_page/study_numbers.h>
+#include "src/study/plan.h"
+#include "views/study_page/study_numbers.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/study_page/study_surfaces.h>
+#include "views/study_page/study_surfaces.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

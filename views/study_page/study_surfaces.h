@@ -1,4 +1,4 @@
-// febiodea/views/study_page/study_surfaces.h – the surfaces that a study's stored pressures stand on, and the
+// views/study_page/study_surfaces.h – the surfaces that a study's stored pressures stand on, and the
 // pressures.
 #pragma once
 #include <functional>
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/results/comparison.h>
-#include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/study_page/study_numbers.h>
+#include "src/results/comparison.h"
+#include "views/map/map_geometry.h"
+#include "views/study_page/study_numbers.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-#include <febiodea/views/study_page/study_thinning.h>
+#include "views/study_page/study_thinning.h"
 
 #include <algorithm>
 
-#include <febiodea/base/numbers.h>
+#include "src/base/numbers.h"
 
 namespace dea {
 

@@ -1,9 +1,9 @@
-// febiodea/views/study_page/study_thinning.h – which cases of a study are left where not all fit.
+// views/study_page/study_thinning.h – which cases of a study are left where not all fit.
 #pragma once
 #include <functional>
 #include <vector>
 
-#include <febiodea/views/study_page/study_numbers.h>
+#include "views/study_page/study_numbers.h"
 
 namespace dea {
 

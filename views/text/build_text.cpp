@@ -1,12 +1,12 @@
-#include <febiodea/views/text/build_text.h>
+#include "views/text/build_text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// febiodea/views/text/build_text.h – what dea build made, as tables.
+// views/text/build_text.h – what dea build made, as tables.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/views/data/build_json.h>
-#include <febiodea/views/text/table.h>
+#include "views/data/build_json.h"
+#include "views/text/table.h"
 
 namespace dea {
 

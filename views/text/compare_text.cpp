@@ -1,13 +1,13 @@
-#include <febiodea/views/text/compare_text.h>
+#include "views/text/compare_text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/views/compare/quantities.h>
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "views/compare/quantities.h"
 
 namespace dea {
 

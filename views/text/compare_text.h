@@ -1,10 +1,10 @@
-// febiodea/views/text/compare_text.h – a comparison as tables. Undefined numbers are "-".
+// views/text/compare_text.h – a comparison as tables. Undefined numbers are "-".
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/views/compare/compare_files.h>
-#include <febiodea/views/text/table.h>
+#include "views/compare/compare_files.h"
+#include "views/text/table.h"
 
 namespace dea {
 

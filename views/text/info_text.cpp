@@ -1,18 +1,18 @@
-#include <febiodea/views/text/info_text.h>
+#include "views/text/info_text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/recognise.h>
-#include <febiodea/views/text/info_words.h>
-#include <febiodea/views/text/remarks.h>
-#include <febiodea/views/text/run_text.h>
-#include <febiodea/views/text/words.h>
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "src/run/analysis.h"
+#include "src/run/recognise.h"
+#include "views/text/info_words.h"
+#include "views/text/remarks.h"
+#include "views/text/run_text.h"
+#include "views/text/words.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/views/text/info_text.h – what was recognised in a model, for people: what `dea info` prints.
+// views/text/info_text.h – what was recognised in a model, for people: what `dea info` prints.
 #pragma once
 #include <string>
 
-#include <febiodea/run/check.h>
+#include "src/run/check.h"
 
 namespace dea {
 

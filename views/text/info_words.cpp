@@ -1,6 +1,6 @@
-#include <febiodea/views/text/info_words.h>
+#include "views/text/info_words.h"
 
-#include <febiodea/base/names.h>
+#include "src/base/names.h"
 
 namespace dea {
 

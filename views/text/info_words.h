@@ -1,8 +1,8 @@
-// febiodea/views/text/info_words.h – what was recognised in words, the same in text and JSON.
+// views/text/info_words.h – what was recognised in words, the same in text and JSON.
 #pragma once
 #include <string>
 
-#include <febiodea/run/check.h>
+#include "src/run/check.h"
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-#include <febiodea/views/text/methods_text.h>
+#include "views/text/methods_text.h"
 
-#include <febiodea/version.h>
+#include "src/version.h"
 
 #include <fmt/format.h>
 
@@ -8,14 +8,14 @@
 #include <filesystem>
 #include <set>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/joint/symmetry_planes.h>
-#include <febiodea/model/settings_table.h>
-#include <febiodea/run/recognise.h>
-#include <febiodea/views/text/info_text.h>
-#include <febiodea/views/text/run_text.h>
-#include <febiodea/views/text/words.h>
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "src/joint/symmetry_planes.h"
+#include "src/model/settings_table.h"
+#include "src/run/recognise.h"
+#include "views/text/info_text.h"
+#include "views/text/run_text.h"
+#include "views/text/words.h"
 
 namespace dea {
 

@@ -1,8 +1,8 @@
-// febiodea/views/text/methods_text.h – what dea run does with a model, as a paragraph for the methods of a paper.
+// views/text/methods_text.h – what dea run does with a model, as a paragraph for the methods of a paper.
 #pragma once
 #include <string>
 
-#include <febiodea/run/check.h>
+#include "src/run/check.h"
 
 namespace dea {
 

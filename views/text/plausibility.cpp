@@ -1,12 +1,12 @@
-#include <febiodea/views/text/plausibility.h>
+#include "views/text/plausibility.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/base/numbers.h>
-#include <febiodea/io/files/unit_names.h>
+#include "io/files/unit_names.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 

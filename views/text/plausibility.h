@@ -1,10 +1,10 @@
-// febiodea/views/text/plausibility.h – numbers of a model that are no joint's: units mixed up, layers that are none.
+// views/text/plausibility.h – numbers of a model that are no joint's: units mixed up, layers that are none.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/joint/joint.h>
+#include "io/settings/setting_words.h"
+#include "src/joint/joint.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/text/remarks.h>
+#include "views/text/remarks.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 #include <optional>
 #include <utility>
 
-#include <febiodea/base/names.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
-#include <febiodea/joint/shared_ends.h>
-#include <febiodea/views/text/plausibility.h>
-#include <febiodea/views/text/table.h>
-#include <febiodea/views/text/words.h>
+#include "src/base/names.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
+#include "src/joint/shared_ends.h"
+#include "views/text/plausibility.h"
+#include "views/text/table.h"
+#include "views/text/words.h"
 
 namespace dea {
 

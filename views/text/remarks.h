@@ -1,11 +1,11 @@
-// febiodea/views/text/remarks.h – what was concluded, left out or is doubtful, a line each, each once: "note: ...",
+// views/text/remarks.h – what was concluded, left out or is doubtful, a line each, each once: "note: ...",
 // "ignored: ...", "warning: ...".
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/io/settings/setting_words.h>
-#include <febiodea/run/analysis.h>
+#include "io/settings/setting_words.h"
+#include "src/run/analysis.h"
 
 namespace dea {
 

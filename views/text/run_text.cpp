@@ -1,4 +1,4 @@
-#include <febiodea/views/text/run_text.h>
+#include "views/text/run_text.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include <febiodea/base/error.h>
-#include <febiodea/base/numbers.h>
-#include <febiodea/base/time_text.h>
+#include "src/base/error.h"
+#include "src/base/numbers.h"
+#include "src/base/time_text.h"
 
 namespace dea {
 

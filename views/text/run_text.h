@@ -1,11 +1,11 @@
-// febiodea/views/text/run_text.h – results as tables on the screen.
+// views/text/run_text.h – results as tables on the screen.
 #pragma once
 #include <string>
 #include <vector>
 
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/convergence.h>
-#include <febiodea/views/text/table.h>
+#include "src/run/analysis.h"
+#include "src/run/convergence.h"
+#include "views/text/table.h"
 
 namespace dea {
 

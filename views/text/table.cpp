@@ -1,11 +1,11 @@
-#include <febiodea/views/text/table.h>
+#include "views/text/table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include <febiodea/results/headline.h>
+#include "src/results/headline.h"
 
 namespace dea {
 

@@ -1,11 +1,11 @@
-// febiodea/views/text/table.h – numbers and tables for a screen.
+// views/text/table.h – numbers and tables for a screen.
 #pragma once
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include <febiodea/io/files/unit_names.h>
-#include <febiodea/results/headline.h>
+#include "io/files/unit_names.h"
+#include "src/results/headline.h"
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include <febiodea/views/text/words.h>
+#include "views/text/words.h"
 
 #include <fmt/format.h>
 

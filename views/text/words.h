@@ -1,4 +1,4 @@
-// febiodea/views/text/words.h – names and lists within a sentence.
+// views/text/words.h – names and lists within a sentence.
 #pragma once
 #include <string>
 #include <vector>

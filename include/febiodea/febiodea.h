@@ -1,4 +1,4 @@
-// febiodea/febiodea.h – the front door: what the library offers, from a model's file to results in one.
+// include/febiodea/febiodea.h – the front door: what the library offers, from a model's file to results in one.
 //
 // * read_feb: file -> JointModel (io/feb/read_feb.h)
 // * recognise: JointModel, Settings -> Recognition (run/recognise.h)
@@ -18,24 +18,24 @@
 // Faults of the user are thrown as InputError, UsageError and WriteError (base/error.h), each with one line that says
 // what to do; recognise gives a model's faults as values instead.
 #pragma once
-#include <febiodea/base/error.h>
-#include <febiodea/base/stop.h>
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/times.h>
-#include <febiodea/io/feb/read_feb.h>
-#include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/xplt/xplt.h>
-#include <febiodea/model/settings.h>
-#include <febiodea/results/fields.h>
-#include <febiodea/results/statistics.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/check.h>
-#include <febiodea/run/convergence.h>
-#include <febiodea/run/prepared.h>
-#include <febiodea/run/recognise.h>
-#include <febiodea/run/states.h>
-#include <febiodea/springs/place.h>
-#include <febiodea/springs/press.h>
-#include <febiodea/springs/wrench.h>
-#include <febiodea/version.h>
+#include "io/feb/read_feb.h"
+#include "io/results/plot_file.h"
+#include "io/xplt/xplt.h"
+#include "src/base/error.h"
+#include "src/base/stop.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/equilibrium/load_case.h"
+#include "src/equilibrium/times.h"
+#include "src/model/settings.h"
+#include "src/results/fields.h"
+#include "src/results/statistics.h"
+#include "src/run/analysis.h"
+#include "src/run/check.h"
+#include "src/run/convergence.h"
+#include "src/run/prepared.h"
+#include "src/run/recognise.h"
+#include "src/run/states.h"
+#include "src/springs/place.h"
+#include "src/springs/press.h"
+#include "src/springs/wrench.h"
+#include "src/version.h"
