@@ -12,8 +12,8 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/equilibrium/load_case.h"
-#include "src/joint/bodies.h"
-#include "src/joint/symmetry_planes.h"
+#include "src/facts/bodies.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/run/analysis.h"
 
 namespace dea {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "src/base/fault.h"
+#include "src/facts/parts.h"
 #include "src/joint/layer_face.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -5,8 +5,8 @@
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
+#include "src/facts/parts.h"
 #include "src/joint/given_values.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

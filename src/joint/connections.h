@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/base/fault.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/model/joint_model.h"
 
 namespace dea {

@@ -2,7 +2,7 @@
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/joint/symmetry_planes.h"
+#include "src/facts/symmetry_planes.h"
 
 namespace dea {
 

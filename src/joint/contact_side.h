@@ -1,8 +1,8 @@
 // src/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
 #pragma once
 #include "src/base/fault.h"
-#include "src/joint/given_layer.h"
-#include "src/joint/parts.h"
+#include "src/facts/given_layer.h"
+#include "src/facts/parts.h"
 
 namespace dea {
 

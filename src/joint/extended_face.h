@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
+#include "src/facts/parts.h"
 #include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

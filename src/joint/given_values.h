@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "src/base/sentence.h"
-#include "src/joint/parts.h"
+#include "src/facts/parts.h"
 
 namespace dea {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
+#include "src/facts/parts.h"
 #include "src/joint/layer.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -7,10 +7,10 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
+#include "src/facts/parts.h"
+#include "src/facts/separate_pieces.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/joint/given_values.h"
-#include "src/joint/parts.h"
-#include "src/joint/separate_pieces.h"
-#include "src/joint/symmetry_planes.h"
 
 namespace dea {
 

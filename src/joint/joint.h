@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "src/base/fault.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "src/base/fault.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/geometry/surface_mesh.h"
 #include "src/joint/layer_face.h"
-#include "src/joint/symmetry_planes.h"
 #include "src/model/elasticity.h"
 #include "src/model/settings.h"
 

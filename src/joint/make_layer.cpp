@@ -25,6 +25,18 @@ namespace dea {
 
 namespace {
 
+/// Elements of deformable parts.
+std::vector<LayerElement> region_elements(const ModelParts& parts, const std::set<int>& regions) {
+  std::vector<LayerElement> elements;
+  for (int i = 0; i < static_cast<int>(parts.model.domains.size()); ++i) {
+    const Domain& d = parts.model.domains[at(i)];
+    if (!deformable(parts, d)) continue;
+    for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
+      if (regions.count(parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])]) > 0) elements.push_back({i, e});
+  }
+  return elements;
+}
+
 /// A layer in the making.
 struct LayerDraft {
   Layer layer;

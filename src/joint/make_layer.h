@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "src/base/fault.h"
+#include "src/facts/parts.h"
 #include "src/joint/layer.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

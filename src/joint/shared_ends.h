@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "src/facts/bodies.h"
 #include "src/geometry/pose.h"
-#include "src/joint/bodies.h"
 #include "src/joint/contacts.h"
 
 namespace dea {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "src/facts/parts.h"
 #include "src/joint/contacts.h"
-#include "src/joint/parts.h"
 
 namespace dea {
 

@@ -9,7 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/say.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/model/element_columns.h"
 
 namespace dea {

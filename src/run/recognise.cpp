@@ -14,7 +14,7 @@
 #include "src/equilibrium/load_case.h"
 #include "src/equilibrium/rows.h"
 #include "src/equilibrium/times.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"
 #include "src/model/load_curve.h"

@@ -12,7 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/rotations.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/joint/shared_ends.h"
 #include "src/results/percentile.h"
 #include "src/results/statistics.h"

@@ -1,4 +1,4 @@
-#include "src/joint/moved_nodes.h"
+#include "src/facts/moved_nodes.h"
 
 #include <gtest/gtest.h>
 

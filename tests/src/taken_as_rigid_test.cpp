@@ -5,7 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 #include "src/run/analysis.h"
 #include "tests/src/test_models.h"
 

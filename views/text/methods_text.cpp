@@ -10,7 +10,7 @@
 
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
-#include "src/joint/symmetry_planes.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/model/settings_table.h"
 #include "src/run/recognise.h"
 #include "views/text/info_text.h"

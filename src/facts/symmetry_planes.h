@@ -1,4 +1,4 @@
-// src/joint/symmetry_planes.h – where a model is one half or quarter of what it stands for.
+// src/facts/symmetry_planes.h – where a model is one half or quarter of what it stands for.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,14 +1,12 @@
-// src/joint/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
+// src/facts/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
 #pragma once
-#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "src/base/fault.h"
-#include "src/joint/bodies.h"
-#include "src/joint/holders.h"
-#include "src/joint/layer_face.h"
+#include "src/facts/bodies.h"
+#include "src/facts/holders.h"
 #include "src/model/element_faces.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -48,9 +46,6 @@ const std::vector<ElementFace>* find_face(const ModelParts& parts, const Surface
 
 /// The element that carries a facet: a deformable solid before a rigid solid before a shell; nullptr: none.
 const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFace>* candidates);
-
-/// Elements of deformable parts.
-std::vector<LayerElement> region_elements(const ModelParts& parts, const std::set<int>& regions);
 
 /// Body of a rigid material; no material: the ground.
 int body_of_material(const ModelParts& parts, int material);

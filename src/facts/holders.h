@@ -1,12 +1,12 @@
-// src/joint/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
+// src/facts/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
 #pragma once
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "src/joint/bodies.h"
-#include "src/joint/symmetry_planes.h"
+#include "src/facts/bodies.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/model/joint_model.h"
 
 namespace dea {

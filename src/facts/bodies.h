@@ -1,4 +1,4 @@
-// src/joint/bodies.h – rigid bodies of a model, and which nodes they hold.
+// src/facts/bodies.h – rigid bodies of a model, and which nodes they hold.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// src/joint/given_layer.h – what is said of a contact and its layers: by the user, or by the contact itself.
+// src/facts/given_layer.h – what is said of a contact and its layers: by the user, or by the contact itself.
 #pragma once
 #include <map>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "src/joint/given_layer.h"
+#include "src/facts/given_layer.h"
 
 #include "src/base/numbers.h"
 

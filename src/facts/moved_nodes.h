@@ -1,4 +1,4 @@
-// src/joint/moved_nodes.h – nodes whose displacement is prescribed, as bodies.
+// src/facts/moved_nodes.h – nodes whose displacement is prescribed, as bodies.
 //
 // A model may leave a bone out and move the nodes on the cartilage's bone side instead. Nodes whose x, y and z are all
 // given, and alike, move together and do not turn: a body without material.

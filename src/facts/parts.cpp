@@ -1,4 +1,4 @@
-#include "src/joint/parts.h"
+#include "src/facts/parts.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,8 +6,8 @@
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/joint/given_layer.h"
-#include "src/joint/moved_nodes.h"
+#include "src/facts/given_layer.h"
+#include "src/facts/moved_nodes.h"
 
 namespace dea {
 
@@ -161,17 +161,6 @@ const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFac
     }
   }
   return best;
-}
-
-std::vector<LayerElement> region_elements(const ModelParts& parts, const std::set<int>& regions) {
-  std::vector<LayerElement> elements;
-  for (int i = 0; i < static_cast<int>(parts.model.domains.size()); ++i) {
-    const Domain& d = parts.model.domains[at(i)];
-    if (!deformable(parts, d)) continue;
-    for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
-      if (regions.count(parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])]) > 0) elements.push_back({i, e});
-  }
-  return elements;
 }
 
 int body_of_material(const ModelParts& parts, int material) {

@@ -1,9 +1,9 @@
-// src/joint/separate_pieces.h – bones that a material taken as rigid would make one body of.
+// src/facts/separate_pieces.h – bones that a material taken as rigid would make one body of.
 #pragma once
 #include <vector>
 
 #include "src/base/fault.h"
-#include "src/joint/parts.h"
+#include "src/facts/parts.h"
 
 namespace dea {
 

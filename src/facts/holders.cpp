@@ -1,4 +1,4 @@
-#include "src/joint/holders.h"
+#include "src/facts/holders.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 
 #include "src/base/names.h"
 #include "src/base/numbers.h"
+#include "src/facts/symmetry_planes.h"
 #include "src/geometry/ray_caster.h"
 #include "src/geometry/surface_mesh.h"
-#include "src/joint/symmetry_planes.h"
 
 namespace dea {
 

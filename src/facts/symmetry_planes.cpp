@@ -1,4 +1,4 @@
-#include "src/joint/symmetry_planes.h"
+#include "src/facts/symmetry_planes.h"
 
 #include <fmt/format.h>
 

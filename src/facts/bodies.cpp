@@ -1,4 +1,4 @@
-#include "src/joint/bodies.h"
+#include "src/facts/bodies.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "src/joint/separate_pieces.h"
+#include "src/facts/separate_pieces.h"
 
 #include <algorithm>
 #include <array>
