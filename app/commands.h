@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/findings.h"
 #include "app/options.h"
 
 namespace dea {
@@ -15,7 +16,8 @@ struct RunArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::string model;
   OutputSettings outputs;  ///< as typed
-  bool quiet = false, verbose = false, details = false;
+  bool verbose = false, details = false;
+  FindingsArguments findings;
   bool overwrite = false;
   SettingsArguments settings;
   std::string times_from;
@@ -33,7 +35,8 @@ struct StudyArguments {
   std::vector<std::string> keep;
   std::string report, subjects, group, pair, pair_by, regions, up, anterior, axis, center;
   std::string dose_above, cycles_per_year, years, cycle_seconds;
-  bool merge = false, dry_run = false, overwrite = false, quiet = false, verbose = false;
+  bool merge = false, dry_run = false, overwrite = false, verbose = false;
+  FindingsArguments findings;
 };
 CLI::App* add_study(CLI::App& app, StudyArguments& arguments);
 int study(const StudyArguments& arguments);

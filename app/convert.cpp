@@ -11,7 +11,7 @@
 #include "io/settings/setting_words.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
-#include "views/text/remarks.h"
+#include "src/rules/rules.h"
 
 namespace dea {
 
@@ -83,8 +83,7 @@ int convert(const ConvertArguments& a) {
   const Wording wording = command_line_wording();
   for (const Sentence& change : conversion.changes) text += worded(change, wording) + "\n";
   print(text);
-  for (const std::string& warning : warnings_in(model_remarks(model, conversion.joint, wording)))
-    log("warning: " + warning);
+  for (const std::string& line : coded_lines(warnings(model_findings(model, conversion.joint)), wording)) log(line);
   for (const Sentence& note : conversion.notes) log("note: " + worded(note, wording));
   return kSolved;
 }

@@ -176,7 +176,12 @@ std::vector<std::string> help_words(int argc, char** argv) {
   return words;
 }
 
-int parse_and_run(int argc, char** argv) {
+int parse_and_run(int given_argc, char** given_argv) {
+  std::vector<std::string> words = with_joined_codes({given_argv, given_argv + given_argc});
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  const int argc = static_cast<int>(pointers.size());
+  char** argv = pointers.data();
   CLI::App app("Discrete element analysis of joint contact: FEBio model in, pressure on its surfaces out.", "dea");
   app.footer(kFooter);
   app.set_version_flag("--version", version_text(), "Version, commit and libraries");

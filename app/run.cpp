@@ -15,10 +15,10 @@
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/time_text.h"
+#include "src/rules/rules.h"
 #include "views/memory.h"
 #include "views/page/write_page.h"
 #include "views/run_model.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 
 namespace dea {
@@ -64,7 +64,7 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       add_output(o);
   }
   add_overwrite_flag(*c, a.overwrite);
-  CLI::Option* q = add_quiet_flag(*c, a.quiet);
+  CLI::Option* q = add_findings_options(*c, a.findings);
   c->add_flag("-v,--verbose", a.verbose,
               "Also print every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
@@ -131,11 +131,7 @@ bool has_compartments(const Analysis& analysis) {
   });
 }
 
-/// `told`: remarks that were printed before solving.
-void print_result(const JointModel& model, const RunOptions& options, const RunResult& result,
-                  const std::vector<std::string>& told, bool details) {
-  for (const std::string& line : run_remarks(model, result.analysis))
-    if (std::find(told.begin(), told.end(), line) == told.end()) log(line);
+void print_result(const JointModel& model, const RunOptions& options, const RunResult& result, bool details) {
   const OutputSettings& o = options.outputs;
   if (o.json != "-" && o.csv != "-" && o.compartments_csv != "-" && o.facets_csv != "-")
     print(run_text(model, result.analysis, details));
@@ -145,12 +141,20 @@ void print_result(const JointModel& model, const RunOptions& options, const RunR
   log(run_summary(options, result));
 }
 
-/// What is odd about the model or was concluded from it, before it is solved.
-std::vector<std::string> tell_of_model(const Recognition& recognition, Progress& progress) {
-  const std::vector<std::string> lines = model_remarks(recognition.model, recognition.joint);
+/// What is odd about the model, before it is solved. Returns what was told.
+Findings tell_of_model(const Recognition& recognition, const FindingsArguments& asked, Progress& progress) {
+  const Findings odd = warnings(model_findings(recognition.model, recognition.joint));
   progress.clear();
-  for (const std::string& line : lines) log(line);
-  return lines;
+  tell(odd, asked);
+  return odd;
+}
+
+/// The rest, once it is solved: what was odd about the model has been told.
+void tell_of_result(const Findings& findings, const Findings& told, const FindingsArguments& asked) {
+  Findings rest;
+  for (const Finding& f : findings)
+    if (std::find(told.begin(), told.end(), f) == told.end()) rest.push_back(f);
+  tell(rest, asked);
 }
 
 /// Before anything that takes long or much memory.
@@ -179,6 +183,8 @@ void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings
 }  // namespace
 
 int run(const RunArguments& a) {
+  const bool quiet = quiet_altogether(a.findings);
+  check_codes(a.findings);
   const double start = seconds();
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;
@@ -191,7 +197,7 @@ int run(const RunArguments& a) {
   require_page_name(given_as(&OutputSettings::report, typed), page);
   require_file(output_option, output);
 
-  Progress progress(progress_style(a.quiet, a.verbose));
+  Progress progress(progress_style(quiet, a.verbose));
   begin(progress, "reading " + file_name(a.model));
   JointModel read = read_feb(a.model);
   std::vector<NamedPath> files = run_inputs(a, settings);
@@ -206,11 +212,11 @@ int run(const RunArguments& a) {
   settle_units(read, settings);
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
-  tell_cost(recognition, a.quiet, progress);
-  std::vector<std::string> told;
+  tell_cost(recognition, quiet, progress);
+  Findings told;
   options.on_times = [&](const std::vector<double>& times) {
     if (!output.empty() && !a.overwrite) refuse_to_replace(output, why_kept(output, recognition.model, times));
-    if (!a.quiet) told = tell_of_model(recognition, progress);
+    if (!quiet) told = tell_of_model(recognition, a.findings, progress);
   };
   if (!page.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
@@ -222,16 +228,17 @@ int run(const RunArguments& a) {
   const RunResult result = run_model(recognition, options);
   progress.clear();
 
-  if (!a.quiet) {
+  if (!quiet) {
     if (!name_note.empty()) log(name_note);
-    print_result(recognition.model, options, result, told, a.details);
+    tell_of_result(result.analysis.findings, told, a.findings);
+    print_result(recognition.model, options, result, a.details);
     if (!page.empty()) log(page + ": the report");
     if (replaces) log(fmt::format("note: {} replaced the file that was there; -o writes another", output));
   } else {
-    for (const std::string& line : idle_load_lines(result.analysis)) log(line);
-    for (const std::string& line : no_solution_lines(result.analysis)) log(line);
+    tell_quietly(result.analysis);
   }
-  return all_solved(result.analysis) ? kSolved : kNoSolution;
+  const bool refused = tell_refused(result.analysis.findings, a.findings);
+  return all_solved(result.analysis) && !refused ? kSolved : kNoSolution;
 }
 
 }  // namespace dea

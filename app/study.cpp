@@ -76,7 +76,7 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
                "Also keep pressures at the nodes in the file, or a plot file per case in the folder FILE_xplt");
   c->add_flag("--merge", a.merge, "Join the files of shards into that of -o")->group("Output");
   c->add_flag("--overwrite", a.overwrite, "Begin anew if the file exists [go on with it]")->group("Output");
-  CLI::Option* q = add_quiet_flag(*c, a.quiet);
+  CLI::Option* q = add_findings_options(*c, a.findings);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->excludes(q)->group("Output");
   add_study_report_options(*c, a);
   add_solving_options(*c, a.settings, a.threads);
@@ -145,7 +145,7 @@ int solve_study(const StudyArguments& a) {
   study_page_options(a);  // what is wrong with them, before anything is solved
   if (!a.csv.empty()) output.others.push_back({"--csv", a.csv});
   if (!a.report.empty()) output.others.push_back({"--report", a.report});
-  Progress progress(progress_style(a.quiet, a.verbose));
+  Progress progress(progress_style(quiet_altogether(a.findings), a.verbose));
   Study study = study_of(a, progress);
   check_study_columns(a, study.plan);
   if (!a.subjects.empty()) study.inputs.push_back({"the table of subjects", a.subjects});
@@ -180,7 +180,7 @@ std::vector<std::size_t> a_few(std::size_t count) {
 }
 
 int dry_run(const StudyArguments& a) {
-  Progress progress(progress_style(a.quiet, a.verbose));
+  Progress progress(progress_style(quiet_altogether(a.findings), a.verbose));
   const Study study = study_of(a, progress);
   const Plan& plan = study.plan;
   std::string text = fmt::format("{}: {}", plural(plan.cases.size(), "case"), plural(plan.models.size(), "model"));
@@ -215,6 +215,7 @@ int dry_run(const StudyArguments& a) {
 }  // namespace
 
 int study(const StudyArguments& a) {
+  check_codes(a.findings);
   if (a.merge) return merge_shards(a);
   for (const std::string& file : a.files)
     if (extension_of(file) == ".db" || is_database(file)) return read_study(a, file);

@@ -99,11 +99,12 @@ int end_study(const std::string& path, const StudyArguments& a, const std::strin
   const StudyHead head = read_study_head(path);
   if (!a.csv.empty()) write_csv(path, a.csv);
   write_study_report(a, path);
-  if (!a.quiet) log(summary);
-  if (const std::string warned = warned_line(path); !a.quiet && !warned.empty()) log(warned);
+  if (!quiet_altogether(a.findings)) log(summary);
+  if (const std::string warned = warned_line(path); !quiet_altogether(a.findings) && !warned.empty()) log(warned);
   const std::string failed = failed_line(path, head);
   if (!failed.empty()) log(failed);
-  return failed.empty() ? kSolved : kNoSolution;
+  const bool refused = refused_codes(warned_codes(path), a.findings);
+  return failed.empty() && !refused ? kSolved : kNoSolution;
 }
 
 int read_study(const StudyArguments& a, const std::string& path) {

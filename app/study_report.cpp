@@ -130,7 +130,7 @@ void check_study_columns(const StudyArguments& a, const Plan& plan) {
 void write_study_report(const StudyArguments& a, const std::string& study) {
   if (a.report.empty()) return;
   const StudyPageSummary summary = write_study_page(a.report, study, study_page_options(a));
-  if (!a.quiet) log(a.report + ": the page");
+  if (!quiet_altogether(a.findings)) log(a.report + ": the page");
   for (const std::string& note : summary.notes) log(fmt::format("note: {}: {}", a.report, note));
 }
 

@@ -16,9 +16,9 @@
 #include "plugin/read_fe_model.h"
 #include "src/base/error.h"
 #include "src/base/time_text.h"
+#include "src/rules/rules.h"
 #include "views/page/write_page.h"
 #include "views/run_model.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 
 namespace {
@@ -102,7 +102,7 @@ bool run(FEBioModel& fem, const std::string& settings_file, const StopFlag* stop
   };
   const RunResult result = run_model(recognition, options);
 
-  for (const std::string& line : run_remarks(model, result.analysis, febio_wording())) log_text(fem, line);
+  for (const std::string& line : coded_lines(result.analysis.findings, febio_wording())) log_text(fem, line);
   log_text(fem, run_text(model, result.analysis, false));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;

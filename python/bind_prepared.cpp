@@ -16,7 +16,7 @@
 #include "src/equilibrium/times.h"
 #include "src/joint/placing.h"
 #include "src/model/settings_table.h"
-#include "src/run/idle_loads.h"
+#include "src/rules/idle_loads.h"
 #include "views/memory.h"
 
 namespace dea::python {

@@ -12,10 +12,10 @@
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"
+#include "src/rules/rules.h"
 #include "views/data/run_csv.h"
 #include "views/page/write_page.h"
 #include "views/run_model.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 
 namespace dea::python {
@@ -72,7 +72,7 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "solved", [](const Analysed& a) { return all_solved(a.analysis); }, "Every state is a solution.")
       .def_property_readonly(
-          "findings", [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
+          "findings", [](const Analysed& a) { return findings_list(a.analysis.findings); },
           "What was concluded, left out or is doubtful, a line each.")
       .def(
           "to_dict", [](const Analysed& a) { return plain(unlocked([&] { return result_json(a); })); },

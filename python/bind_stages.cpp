@@ -22,13 +22,13 @@
 #include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/equilibrium/times.h"
+#include "src/rules/idle_loads.h"
+#include "src/rules/rules.h"
 #include "src/run/check.h"
-#include "src/run/idle_loads.h"
 #include "views/data/info_json.h"
 #include "views/memory.h"
 #include "views/run_model.h"
 #include "views/text/info_text.h"
-#include "views/text/remarks.h"
 
 namespace dea::python {
 
@@ -205,8 +205,9 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
   const States states = wanted_states(recognition.model, recognition.settings, asked);
   const auto a = std::make_shared<Analysed>();
   a->recognised = recognised;
-  a->analysis = analyse(recognition, options_of(states, work, a->springs));
-  note_states(recognition.model, asked, states, a->analysis.joint.findings);
+  AnalysisOptions how = options_of(states, work, a->springs);
+  how.told = findings_of_states(recognition.model, asked, states);
+  a->analysis = analyse(recognition, how);
   a->timings = {recognised->read->seconds, a->analysis.seconds_joint, a->analysis.seconds_solve, 0.0,
                 recognised->read->seconds + recognition.seconds + seconds() - start};
   return a;
@@ -295,9 +296,8 @@ void bind_recognition(py::module_& m) {
       .def_property_readonly(
           "findings",
           [](const Recognised& r) {
-            return texts(r.recognition.recognised
-                             ? model_remarks(r.recognition.model, r.recognition.joint, python_wording())
-                             : std::vector<std::string>());
+            return findings_list(r.recognition.recognised ? model_findings(r.recognition.model, r.recognition.joint)
+                                                          : Findings{});
           },
           "What was concluded, left out or is doubtful, a line each.")
       .def_property_readonly(

@@ -6,7 +6,7 @@ import pathlib
 import re
 import sys
 
-FLOORS = ["base", "model", "geometry", "build", "facts", "joint", "springs", "equilibrium", "results", "run", "study", "io", "views", "app"]
+FLOORS = ["base", "model", "geometry", "build", "facts", "joint", "springs", "equilibrium", "results", "rules", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
 POSIX = {"io/files/system.cpp", "app/process.cpp"}  # who may ask the operating system
 LIBRARIES = {"cairo.h", "cholmod.h", "gif_lib.h", "muParser.h", "sqlite3.h", "tinyxml2.h", "zlib.h"}  # other headers of such names are the system's

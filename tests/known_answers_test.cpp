@@ -13,10 +13,10 @@
 #include "io/feb/read_feb.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "tests/program.h"
 #include "tests/src/test_models.h"
-#include "views/text/remarks.h"
 
 namespace dea::known_answers_test {
 

@@ -13,9 +13,9 @@
 #include "src/base/error.h"
 #include "src/base/stop.h"
 #include "src/model/settings_table.h"
+#include "src/rules/rules.h"
 #include "src/run/cost.h"
 #include "src/run/states.h"
-#include "views/text/remarks.h"
 
 namespace dea {
 
@@ -87,7 +87,7 @@ std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings s
   make_room(bytes);
   spring_cost_note(recognition);
   const auto ready = std::make_shared<ReadyJoint>();
-  ready->warnings = warnings_in(model_remarks(recognition.model, recognition.joint));
+  ready->warnings = warnings(model_findings(recognition.model, recognition.joint));
   ready->bytes = bytes;
   ready->prepared = prepare(std::move(recognition), stop);
   ready->model = std::move(recognition.model);  // NOLINT(bugprone-use-after-move): `prepare` takes its joint alone

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/run/analysis.h"
 
 namespace dea {
@@ -19,9 +20,9 @@ struct ReadyJoint {
   JointModel model;
   Prepared prepared;
   FieldMaps maps;
-  Settings settings;                  ///< of the joint
-  std::vector<std::string> warnings;  ///< of the model and the joint, without "warning: "
-  double bytes = 0.0;                 ///< of memory: kept_bytes
+  Settings settings;   ///< of the joint
+  Findings warnings;   ///< of the model and the joint
+  double bytes = 0.0;  ///< of memory: kept_bytes
 
   /// The end of the model's last step, as the file has it, solved from the reference when it is first asked for;
   /// nullptr: it is no solution. Stopped: `stop` was set.

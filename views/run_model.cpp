@@ -15,8 +15,8 @@
 #include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
+#include "src/rules/rules.h"
 #include "views/data/run_csv.h"
-#include "views/text/remarks.h"
 
 namespace dea {
 
@@ -92,14 +92,6 @@ std::vector<double> times_to_write(const States& states) {
   return times;
 }
 
-/// The warnings alone, one after the other: "...; ...".
-std::string warnings_of(const JointModel& model, const Analysis& analysis) {
-  std::string all;
-  for (const std::string& warning : warnings_in(run_remarks(model, analysis)))
-    all += (all.empty() ? "" : "; ") + warning;
-  return all;
-}
-
 /// Everything but plot file and VTK files.
 void write_others(const JointModel& model, const Settings& settings, const RunOptions& options,
                   const GrowingResults& growing, const RunResult& result) {
@@ -107,7 +99,7 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
   if (!outputs.json.empty())
     write_pieces(outputs.json,
                  [&](const auto& put) { put_run_json(model, settings, result.analysis, result.timings, put); });
-  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis, warnings_of(model, result.analysis)));
+  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis));
   if (!outputs.compartments_csv.empty()) write_text(outputs.compartments_csv, compartments_csv(result.analysis));
   if (growing.facets)
     write_pieces(outputs.facets_csv, [&](const auto& put) {
@@ -155,14 +147,12 @@ States wanted_states(const JointModel& model, const Settings& settings, const Ru
   return choose_states(model, std::move(times.times), chosen, option);
 }
 
-void note_states(const JointModel& model, const RunOptions& options, const States& states,
-                 std::vector<Sentence>& findings) {
+Findings findings_of_states(const JointModel& model, const RunOptions& options, const States& states) {
   const std::string& asked = options.outputs.states;
-  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return;
-  if (asked.empty() && very_many_time_steps(model))
-    findings.push_back(thinned_note(model, states.times.size()));
-  else if (!asked.empty() && many_states_left_out(model, states.times))
-    findings.push_back(states_left_out_note(model, states.times.size()));
+  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return {};
+  if (asked.empty() && very_many_time_steps(model)) return {states_thinned(model, states.times.size())};
+  if (!asked.empty() && many_states_left_out(model, states.times)) return {states_left_out(model, states.times.size())};
+  return {};
 }
 
 bool wants_all_states(const RunOptions& options) {
@@ -185,12 +175,13 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
   GrowingResults growing(recognition, states, options);
-  result.analysis = analyse(recognition, analysis_options(options, states, growing));
+  AnalysisOptions how = analysis_options(options, states, growing);
+  how.told = findings_of_states(model, options, states);
+  result.analysis = analyse(recognition, how);
   if (!options.with_plot) {  // the bulk of the memory
     result.analysis.beds = {};
     result.analysis.maps = {};
   }
-  note_states(model, options, states, result.analysis.joint.findings);
   timings.joint = result.analysis.seconds_joint;
   timings.solve = result.analysis.seconds_solve - growing.seconds_writing;
 

@@ -5,6 +5,7 @@
 
 #include "io/settings/output_options.h"
 #include "io/xplt/xplt.h"
+#include "src/base/finding.h"
 #include "src/run/analysis.h"
 #include "src/run/states.h"
 #include "views/data/run_json.h"
@@ -38,9 +39,8 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options);
 
 /// The states that `options` ask for, and those on the way to them. Throws UsageError, InputError.
 States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options);
-/// Adds to `findings` what the user should know of the states that are solved.
-void note_states(const JointModel& model, const RunOptions& options, const States& states,
-                 std::vector<Sentence>& findings);
+/// What the user should know of the states that are solved.
+Findings findings_of_states(const JointModel& model, const RunOptions& options, const States& states);
 
 /// Are all states of the model wanted, however many these are?
 bool wants_all_states(const RunOptions& options);

@@ -21,10 +21,10 @@
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/rules/rules.h"
 #include "views/joint_uses.h"
 #include "views/ready_joints.h"
 #include "views/run_model.h"
-#include "views/text/remarks.h"
 
 namespace dea {
 
@@ -43,10 +43,9 @@ Settings case_settings(const Plan& plan, const PlannedCase& c, const Settings& o
   return settings;
 }
 
-std::vector<std::string> warnings_of(const ReadyJoint& joint, const SolvedStates& states) {
-  std::vector<std::string> all = joint.warnings;
-  for (std::string& line : warnings_in(result_remarks(joint.model, joint.prepared.joint, states)))
-    all.push_back(std::move(line));
+Findings warnings_of(const ReadyJoint& joint, const SolvedStates& states) {
+  Findings all = joint.warnings;
+  add_once(all, warnings(result_findings(joint.model, joint.prepared.joint, states)));
   return all;
 }
 
@@ -54,7 +53,7 @@ CaseState case_state(const ReadyJoint& joint, StateResult&& state, bool keep_fie
   CaseState out;
   out.time = state.when.time;
   out.outcome = state.equilibrium.outcome;
-  out.message = outcome_text(state.equilibrium);
+  out.message = outcome_text(state.equilibrium, command_line_wording());
   out.iterations = state.equilibrium.iterations;
   out.residual_force = state.equilibrium.residual_force;
   out.residual_moment = state.equilibrium.residual_moment;

@@ -11,9 +11,11 @@
 #include "io/convert/edit_feb.h"
 #include "io/convert/write_feb.h"
 #include "io/convert/xml_places.h"
+#include "io/settings/setting_words.h"
 #include "src/base/error.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"
+#include "src/rules/rules.h"
 
 namespace dea {
 
@@ -71,23 +73,28 @@ std::string choose_linear_solver(const JointModel& model, ConversionPlan& plan) 
 
 Conversion convert_feb(const JointModel& given, const Settings& given_settings, const std::string& output,
                        const std::string& linear_solver) {
-  std::vector<Sentence> naming;
+  Findings naming, placements;
   Settings settings = name_surfaces(given, given_settings, naming);
   const bool moved = !settings.placements.empty();
   JointModel placed;
-  std::vector<Sentence> placements;
   if (moved) {
     const Joint joint = make_joint(given, settings);
     placed = placed_model(given, joint, settings);
-    placements = placements_in_words(given, joint, settings);
+    placements = placement_findings(given, joint, settings);
     settings.placements.clear();
     settings.rotate_about.clear();
   }
   const JointModel& model = moved ? placed : given;
   ConversionPlan plan = plan_conversion(model, settings);
   plan.linear_solver.type = linear_solver;
-  plan.notes.insert(plan.notes.begin(), naming.begin(), naming.end());
-  plan.changes.insert(plan.changes.begin(), placements.begin(), placements.end());
+  const auto sentences = [](const Findings& findings) {
+    std::vector<Sentence> words;
+    for (const Finding& f : findings) words.emplace_back(worded(f, command_line_wording()));
+    return words;
+  };
+  const std::vector<Sentence> named = sentences(naming), moves = sentences(placements);
+  plan.notes.insert(plan.notes.begin(), named.begin(), named.end());
+  plan.changes.insert(plan.changes.begin(), moves.begin(), moves.end());
   const std::string text = file_text(model.files.front());
   Conversion result;
   std::string why;

@@ -161,6 +161,16 @@ StudyWarned count_warned(const std::string& path) {
   });
 }
 
+std::vector<std::string> warned_codes(const std::string& path) {
+  return reading(path, [](const Database& d) {
+    std::vector<std::string> codes;
+    for (Statement rows(d, "SELECT DISTINCT severity FROM warnings UNION SELECT DISTINCT code FROM warnings");
+         rows.step();)
+      codes.push_back(rows.text(0));
+    return codes;
+  });
+}
+
 std::vector<StudyCase> read_cases(const std::string& path, bool only_failed, std::size_t most) {
   return reading(path, [&](const Database& d) {
     std::vector<StudyCase> cases;

@@ -40,6 +40,8 @@ struct StudyWarned {
   std::string text;
 };
 StudyWarned count_warned(const std::string& path);
+/// The codes of all warnings, and "warning" if there is one.
+std::vector<std::string> warned_codes(const std::string& path);
 
 /// A case as the file has it.
 struct StudyCase {

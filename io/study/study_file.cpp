@@ -11,8 +11,10 @@
 
 #include "io/files/output.h"
 #include "io/files/packed_bytes.h"
+#include "io/settings/setting_words.h"
 #include "io/study/database.h"
 #include "io/study/study_schema.h"
+#include "src/rules/rules.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
@@ -63,6 +65,22 @@ void bind_numbers(Statement& to, const std::vector<NamedNumber<Of>>& numbers, co
   }
 }
 
+/// Its numbers as JSON: {"across":2.1,"size":0.7}.
+std::string numbers_of(const Finding& finding) {
+  std::string text;
+  for (const NamedValue& v : finding.values)
+    if (const double* number = std::get_if<double>(&v.value.is); number != nullptr && std::isfinite(*number))
+      text += fmt::format("{}\"{}\":{}", text.empty() ? "" : ",", v.name, *number);
+  return "{" + text + "}";
+}
+
+void bind_finding(Statement& to, const Finding& finding) {
+  to.bind(finding.code).bind(std::string(name(severity(finding))));
+  for (const std::string& of : {finding.subject.contact, finding.subject.surface, finding.subject.body})
+    bind_text_or_null(to, of);
+  to.bind(finding.subject.time.value_or(kNaN)).bind(numbers_of(finding)).bind(worded(finding, command_line_wording()));
+}
+
 void bind_vector(Statement& to, const Vector3d& v) { to.bind(v.x()).bind(v.y()).bind(v.z()); }
 
 }  // namespace
@@ -73,7 +91,7 @@ struct StudyInserts {
   StudyInserts(const Database& d, std::size_t factors)
       : remove(d, "DELETE FROM cases WHERE case_id = ?"),
         one(d, insert_sql("cases", 5 + factors)),
-        warning(d, insert_sql("warnings", 3)),
+        warning(d, insert_sql("warnings", 10)),
         state(d, insert_sql("states", 8)),
         statistics(d, insert_sql("statistics", 6 + contact_numbers().size())),
         part(d, insert_sql("parts", 6 + compartment_numbers().size())),
@@ -148,8 +166,10 @@ void insert_case(Inserts& in, const Plan& plan, const CaseResult& result) {
   in.one.bind(result.seconds);
   for (const std::string& value : planned.values) in.one.bind(value);
   in.one.run();
-  for (std::size_t i = 0; i < result.warnings.size(); ++i)
-    in.warning.bind(number).bind(whole(i + 1)).bind(result.warnings[i]).run();
+  for (std::size_t i = 0; i < result.warnings.size(); ++i) {
+    bind_finding(in.warning.bind(number).bind(whole(i + 1)), result.warnings[i]);
+    in.warning.run();
+  }
   for (std::size_t s = 0; s < result.states.size(); ++s)
     insert_state(in, number, whole(s + 1), result, result.states[s]);
   insert_surfaces(in, planned.model, result);

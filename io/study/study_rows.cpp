@@ -140,8 +140,9 @@ std::vector<StudyContactArea> read_contact_areas(const std::string& path) {
 std::vector<StudyWarning> read_warnings(const std::string& path) {
   return reading(path, [](const Database& d) {
     std::vector<StudyWarning> warnings;
-    for (Statement row(d, "SELECT case_id, text FROM warnings ORDER BY case_id, number"); row.step();)
-      warnings.push_back({row.integer(0), row.text(1)});
+    for (Statement row(d, "SELECT case_id, code, contact, surface, body, text FROM warnings ORDER BY case_id, number");
+         row.step();)
+      warnings.push_back({row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.text(5)});
     return warnings;
   });
 }

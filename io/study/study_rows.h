@@ -60,7 +60,7 @@ std::vector<StudyContactArea> read_contact_areas(const std::string& path);
 
 struct StudyWarning {
   std::int64_t case_id = 0;
-  std::string text;
+  std::string code, contact, surface, body, text;
 };
 std::vector<StudyWarning> read_warnings(const std::string& path);
 

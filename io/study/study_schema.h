@@ -11,7 +11,7 @@ namespace dea {
 /// "DEAS": what `file` and SQLite call the application_id.
 inline constexpr int kStudyApplication = 0x44454153;
 /// The number in "dea.study/1", and the database's user_version. Later programs only add tables and columns to it.
-inline constexpr int kStudyVersion = 1;
+inline constexpr int kStudyVersion = 2;
 
 /// In the order in which rows may be added, the ones that others refer to first.
 const std::vector<std::string>& study_tables();

@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "io/febio/febio_text.h"
-#include "io/files/unit_names.h"
 #include "io/tables/table_columns.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
@@ -18,6 +17,7 @@
 #include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
+#include "src/base/unit_names.h"
 
 namespace dea {
 

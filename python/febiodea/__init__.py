@@ -19,6 +19,7 @@ import os as _os
 import sys as _sys
 
 from . import _cells, _febiodea, _models, _settings, _tables, statistics
+from ._findings import Finding
 from ._errors import Error, InputError, UsageError, WriteError, need as _need, usage_fault as _usage_fault
 from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, PlotFile, PlotState, PlotSurface, Prepared,
                         Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,

@@ -73,10 +73,9 @@ void check_rows(const JointModel& model, const Joint& joint, const Settings& s) 
   if (row_count(s) > 0) first_row(model, joint, s);
 }
 
-std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& s) {
-  std::vector<Sentence> words;
-  const char* before = s.skip_steps ? "from the starting poses, without the model's steps"
-                                    : "after the model's steps, whose ends are solved on the way";
+Findings row_findings(const JointModel& model, const Joint& joint, const Settings& s) {
+  Findings found;
+  const int from = s.skip_steps ? 1 : 0;
   if (loads_given(s)) {
     const LoadCase first = first_row(model, joint, s);
     const std::size_t b = at(joint.find_body(model, s.loads.body));
@@ -85,47 +84,50 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
     const Vector3d force = body.dead.head<3>() + turned * body.follower.head<3>(),
                    moment = body.dead.tail<3>() + turned * body.follower.tail<3>(),
                    point = joint.bodies[b].center_of_mass + body.arm;
-    words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words,
-                        s.loads.body, before));
+    const Subject subject = {.body = s.loads.body};
+    found.push_back({"loads-table", subject, {{"table", s.loads.words.empty() ? "a table" : s.loads.words}}, from});
     if (!s.loads.doubt.empty())
-      words.push_back(
-          say("a body weight of {:g} is taken as it is; {}", s.loads.body_weight.value_or(0.0), s.loads.doubt));
-    words.push_back(
-        say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
-            "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",
-            force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(), point.z(),
-            s.load_at.count(s.loads.body) ? "" : ", its centre of mass", frame_words(s.loads.frame)));
+      found.push_back(
+          {"body-weight", subject, {{"weight", s.loads.body_weight.value_or(0.0)}, {"doubt", s.loads.doubt}}});
+    found.push_back({"loads-first-row",
+                     subject,
+                     {{"force_x", force.x()},
+                      {"force_y", force.y()},
+                      {"force_z", force.z()},
+                      {"moment_x", moment.x()},
+                      {"moment_y", moment.y()},
+                      {"moment_z", moment.z()},
+                      {"x", point.x()},
+                      {"y", point.y()},
+                      {"z", point.z()},
+                      {"axes", frame_words(s.loads.frame)}},
+                     s.load_at.count(s.loads.body) ? 1 : 0});
     int free = 0;
     for (DofState d : body.dofs) free += d == DofState::Free;
-    if (free == 0)
-      words.push_back(
-          say("body \"{}\" is not free to move at the end of the last step: the table's loads have no effect",
-              s.loads.body));
+    if (free == 0) found.push_back({"table-without-effect", subject});
     const bool moments = std::any_of(s.loads.load.begin(), s.loads.load.end(),
                                      [](const Vector6& load) { return !load.tail<3>().isZero(0); });
     if (free > 0 && moments && std::count(body.dofs.begin() + 3, body.dofs.end(), DofState::Free) == 0)
-      words.push_back(say("body \"{}\" is not free to turn: the table's moments have no effect", s.loads.body));
+      found.push_back({"table-without-effect", subject, {}, 1});
   }
   if (motion_given(s))
-    words.push_back(say(
-        "motion of {}, of body \"{}\"{}{}, {}", s.motion.words.empty() ? "a table" : s.motion.words, s.motion.body,
-        !s.motion.turns                 ? ", translations alone"
-        : s.motion.rotation == "vector" ? ", rotation vectors"
-                                        : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation),
-        !s.motion.turns                           ? ""
-        : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
-                                                  : ", about its centre of mass",
-        before));
-  if (row_count(s) == 0 && s.skip_steps)
-    words.push_back(
-        say("the model's steps are not walked through: what holds at time {} starts from the starting poses",
-            time_text(step_starts(model).back())));
-  return words;
+    found.push_back({"motion-table",
+                     {.body = s.motion.body},
+                     {{"table", s.motion.words.empty() ? "a table" : s.motion.words},
+                      {"rotations", !s.motion.turns ? ", translations alone"
+                                    : s.motion.rotation == "vector"
+                                        ? ", rotation vectors"
+                                        : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation)},
+                      {"center", !s.motion.turns                           ? ""
+                                 : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
+                                                                           : ", about its centre of mass"}},
+                     from});
+  if (row_count(s) == 0 && s.skip_steps) found.push_back({"steps-skipped", {.time = step_starts(model).back()}});
+  return found;
 }
 
-std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint, const Settings& s) {
-  std::vector<Sentence> words;
-  if (s.skip_steps || model.steps.size() < 2) return words;
+Findings seating_steps(const JointModel& model, const Joint& joint, const Settings& s) {
+  if (s.skip_steps || model.steps.size() < 2) return {};
   const std::vector<double> starts = step_starts(model);
   std::vector<LoadCase> ends;
   for (int step = 0; step < static_cast<int>(model.steps.size()); ++step)
@@ -139,15 +141,12 @@ std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint,
         moved = moved || driven;
         let_go = let_go || (driven && ends.back().bodies[b].dofs[k] == DofState::Free);
       }
-      if (moved && let_go) {
-        words.push_back(
-            say("step {} moves body \"{}\", and the last step lets it go: if it only seats the bones, as finite "
-                "elements need, {} starts the last step without it",
-                step + 1, joint.bodies[b].name, NamedSetting{"skip-steps"}));
-        return words;
-      }
+      if (moved && let_go)
+        return {{"step-seats-bones",
+                 {.body = joint.bodies[b].name},
+                 {{"step", step + 1}, {"skip", NamedSetting{"skip-steps"}}}}};
     }
-  return words;
+  return {};
 }
 
 }  // namespace dea

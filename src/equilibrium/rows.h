@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/joint/joint.h"
 
 namespace dea {
@@ -10,10 +11,10 @@ namespace dea {
 void check_rows(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// How tables were taken, a sentence each; of loads also the first row in global axes.
-std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
+Findings row_findings(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// Steps that seem to serve finite elements alone, as they bring bodies into contact by a motion that a later step lets
 /// go: they can be skipped. Empty: none.
-std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint, const Settings& settings);
+Findings seating_steps(const JointModel& model, const Joint& joint, const Settings& settings);
 
 }  // namespace dea

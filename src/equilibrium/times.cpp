@@ -103,12 +103,11 @@ std::vector<TimePoint> place_times(const JointModel& model, const std::vector<do
   return placed;
 }
 
-Sentence thinned_note(const JointModel& model, std::size_t solved) {
-  return say(
-      "of the model's {:.0f} time steps {} are solved, evenly chosen{}: each is an equilibrium of its own; others with "
-      "{}",
-      count_time_steps(model), solved, count_kept(model) > kThinned ? "" : " besides ends of steps and must points",
-      kSomeStates);
+Finding states_thinned(const JointModel& model, std::size_t solved) {
+  return {"states-thinned",
+          {},
+          {{"steps", count_time_steps(model)}, {"solved", solved}, {"others", kSomeStates}},
+          count_kept(model) > kThinned ? 0 : 1};
 }
 
 bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times) {
@@ -116,11 +115,8 @@ bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>&
          times.back().time >= 0.5 * step_starts(model).back();
 }
 
-Sentence states_left_out_note(const JointModel& model, std::size_t solved) {
-  return say(
-      "of the model's {:.0f} time steps only the states asked for and the ends of steps before them are solved, {} in "
-      "all: each is an equilibrium of its own",
-      count_time_steps(model), solved);
+Finding states_left_out(const JointModel& model, std::size_t solved) {
+  return {"states-left-out", {}, {{"steps", count_time_steps(model)}, {"solved", solved}}};
 }
 
 }  // namespace dea

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/model/joint_model.h"
 
 namespace dea {
@@ -30,11 +31,11 @@ std::vector<double> step_starts(const JointModel& model);
 std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
 
 /// That `solved` of very many time steps are solved, and how to have others.
-Sentence thinned_note(const JointModel& model, std::size_t solved);
+Finding states_thinned(const JointModel& model, std::size_t solved);
 
 /// Times chosen by the user: more than half of the time steps on the way to the last are left out, which lies in the
 /// second half of the model's time. That `solved` of them are solved.
 bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times);
-Sentence states_left_out_note(const JointModel& model, std::size_t solved);
+Finding states_left_out(const JointModel& model, std::size_t solved);
 
 }  // namespace dea

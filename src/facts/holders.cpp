@@ -225,39 +225,43 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
 
 }  // namespace
 
-std::string in_words(const JointModel& model, int contact, const FarTie& far) {
-  const Contact& c = model.contacts[at(contact)];
-  return fmt::format(
-      "contact \"{}\" of type {} reaches {:g}, and {} of {} nodes lie {:.4g} or more from the surface they would be "
-      "tied to: they are not tied, in FEBio neither; if they are to be, write {} into it",
-      c.name, c.type, c.max_distance, far.nodes, far.of, far.nearest,
-      ties_by_search_radius(c.type) ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
+Findings far_ties(const JointModel& model, const Holders& holders) {
+  Findings found;
+  for (const auto& [contact, far] : holders.far_ties) {
+    const Contact& c = model.contacts[at(contact)];
+    found.push_back(
+        {"tie-out-of-reach",
+         {.contact = c.name},
+         {{"type", c.type}, {"reach", c.max_distance}, {"nodes", far.nodes}, {"of", far.of}, {"nearest", far.nearest}},
+         ties_by_search_radius(c.type) ? 0 : 1});
+  }
+  return found;
 }
 
-std::vector<std::string> closing_ties(const JointModel& model, const Holders& holders) {
+Findings closing_ties(const JointModel& model, const Holders& holders) {
   constexpr double kSome = 0.01;  // of the facets' size
-  std::vector<std::string> closing;
+  Findings closing;
   for (const auto& [contact, gap] : holders.tie_gaps)
     if (std::abs(gap.mean) > kSome * gap.facet)
-      closing.push_back(fmt::format(
-          "contact \"{}\" of type {}: FEBio pulls the {} tied nodes, and their layer with them, onto the surface they "
-          "are tied to, over gaps or overlaps of {:.3g} on average ({:.3g} at most); dea leaves the layer where it is "
-          "meshed, so that its joint space is another one; close the gaps in the mesh, or use tied-elastic, which "
-          "keeps them in FEBio too",
-          model.contacts[at(contact)].name, model.contacts[at(contact)].type, gap.nodes, std::abs(gap.mean), gap.most));
+      closing.push_back({"tie-closes-gap",
+                         {.contact = model.contacts[at(contact)].name},
+                         {{"type", model.contacts[at(contact)].type},
+                          {"nodes", gap.nodes},
+                          {"mean", std::abs(gap.mean)},
+                          {"most", gap.most}}});
   return closing;
 }
 
-std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,
-                                             const std::vector<int>& region, const std::vector<int>& moved) {
-  std::vector<std::string> found;
+Findings holds_of_some_steps(const JointModel& model, const Holders& holders, const std::vector<int>& region,
+                             const std::vector<int>& moved) {
+  Findings found;
   const auto steps = static_cast<int>(model.steps.size());
-  const auto tell = [&](const std::string& what, const std::set<int>& in) {
+  const auto tell = [&](int form, std::vector<NamedValue> what, const std::set<int>& in) {
     if (in.count(-1) > 0 || static_cast<int>(in.size()) == steps) return;
     std::vector<int> numbers;
     for (const int step : in) numbers.push_back(step + 1);
-    found.push_back(fmt::format("{} {} of the model; dea takes that for all steps", what,
-                                in.empty() ? "in none of the steps" : "in step " + number_list(numbers) + " only"));
+    what.push_back({"steps", std::move(numbers)});
+    found.push_back({"held-in-some-steps", {}, std::move(what), in.empty() ? form + 3 : form});
   };
 
   using Steps = std::set<int>;
@@ -278,23 +282,17 @@ std::vector<std::string> holds_of_some_steps(const JointModel& model, const Hold
         in.insert(step);
     ++fixed[in];
   }
-  for (const auto& [in, count] : fixed)
-    tell(count == 1 ? "1 node of a deformable part is fixed in x, y and z at once"
-                    : fmt::format("{} nodes of deformable parts are fixed in x, y and z at once", count),
-         in);
+  for (const auto& [in, count] : fixed) tell(0, {{"nodes", count}}, in);
   for (std::size_t k = 0; k < 3; ++k) {
     std::map<Steps, int> held;  // steps -> how many nodes
     for (const auto& entry : in_plane[k]) ++held[entry.second];
-    for (const auto& [in, count] : held)
-      tell(fmt::format("{} of deformable parts {} held in {}", count == 1 ? "1 node" : fmt::format("{} nodes", count),
-                       count == 1 ? "is" : "are", "xyz"[k]),
-           in);
+    for (const auto& [in, count] : held) tell(1, {{"nodes", count}, {"component", "xyz"[k]}}, in);
   }
 
   std::map<std::string, Steps> ties;  // those that hold a part, by their name
   for (const Contact& c : model.contacts)
     if (c.kind == Contact::Kind::Tied && holders.ties.count(c.name) > 0) ties[c.name].insert(c.step);
-  for (const auto& [name, in] : ties) tell(fmt::format("contact \"{}\" ties its surfaces", name), in);
+  for (const auto& [name, in] : ties) tell(2, {{"tie", name}}, in);
   return found;
 }
 

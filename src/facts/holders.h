@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/facts/bodies.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/model/joint_model.h"
@@ -43,18 +44,19 @@ struct Holders {
   std::vector<PartEnd> ends;          ///< of deformable parts, at which nodes are held
 };
 
-std::string in_words(const JointModel& model, int contact, const FarTie& far);
+/// Ties that reach no node of some that lie over their surface.
+Findings far_ties(const JointModel& model, const Holders& holders);
 
 /// `region`: per node, -1: in no deformable part, else its part. `moved`: per node, body of nodes that are moved
 /// together, -1: none.
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                      const std::vector<int>& moved);
 
-/// Ties over gaps or overlaps that FEBio closes and dea does not, a sentence each.
-std::vector<std::string> closing_ties(const JointModel& model, const Holders& holders);
+/// Ties over gaps or overlaps that FEBio closes and dea does not.
+Findings closing_ties(const JointModel& model, const Holders& holders);
 
-/// Fixed nodes and ties that hold deformable parts in some steps only: they count in all. A sentence each.
-std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,
-                                             const std::vector<int>& region, const std::vector<int>& moved);
+/// Fixed nodes and ties that hold deformable parts in some steps only: they count in all.
+Findings holds_of_some_steps(const JointModel& model, const Holders& holders, const std::vector<int>& region,
+                             const std::vector<int>& moved);
 
 }  // namespace dea

@@ -110,9 +110,7 @@ void add_moved_bodies(ModelParts& parts) {
       found.center_of_mass += model.nodes[at(node)] / static_cast<double>(moved.nodes.size());
     const int index = bodies.ground();
     for (int node : moved.nodes) parts.moved[at(node)] = index;
-    parts.findings.push_back(
-        say("{} moved together (\"{}\"): taken as a bone that the model leaves out",
-            moved.nodes.size() == 1 ? "1 node is" : fmt::format("{} nodes are", moved.nodes.size()), found.name));
+    parts.findings.push_back({"nodes-taken-as-bone", {.body = found.name}, {{"nodes", moved.nodes.size()}}});
     bodies.bodies.insert(bodies.bodies.end() - 1, std::move(found));
   }
 }
@@ -127,9 +125,8 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
   parts.region = find_regions(parts);
   add_moved_bodies(parts);
   parts.holders = find_holders(model, parts.bodies, parts.region, parts.moved);
-  for (const auto& [contact, far] : parts.holders.far_ties) parts.findings.push_back(in_words(model, contact, far));
-  for (const std::string& hold : holds_of_some_steps(model, parts.holders, parts.region, parts.moved))
-    parts.findings.push_back(hold);
+  add_once(parts.findings, far_ties(model, parts.holders));
+  add_once(parts.findings, holds_of_some_steps(model, parts.holders, parts.region, parts.moved));
   return parts;
 }
 

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
 #include "src/facts/holders.h"
@@ -30,8 +31,8 @@ struct ModelParts {
   FaceMap faces;            ///< element faces all of whose corners are nodes of a contact surface
   std::vector<int> moved;   ///< per node: body of nodes that are moved together, -1: none
   Holders holders;
-  std::vector<Sentence> findings;  ///< what was concluded
-  std::vector<Fault> faults;       ///< nodes that are moved otherwise than a bone can be
+  Findings findings;          ///< what was concluded
+  std::vector<Fault> faults;  ///< nodes that are moved otherwise than a bone can be
 };
 
 /// Throws UsageError for a material to be taken as rigid that is none.

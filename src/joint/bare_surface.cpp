@@ -39,9 +39,8 @@ void merge_nodes(const ContactSide& in, const std::vector<double>& areas, BareSu
     const auto other = surface.stands_for.find(node);
     if (other != surface.stands_for.end()) node = other->second;
   }
-  surface.note =
-      say("surface \"{}\": {} of its {} nodes lie where another one is and are taken for it, so that its facets join",
-          in.surface.name, surface.stands_for.size(), all.size());
+  surface.findings = {
+      {"nodes-merged", {.surface = in.surface.name}, {{"merged", surface.stands_for.size()}, {"nodes", all.size()}}}};
 }
 
 /// An edge of a facet, from corner to corner.
@@ -373,7 +372,7 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
   return surface;
 }
 
-Sentence face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer) {
+Findings face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer) {
   const CarriedSurface carried = carry(parts, layer.surface);
   const SurfaceMesh& mesh = layer.articular;
   if (layer.material >= 0 || !carried.on_shells || mesh.size() == 0 || partner.size() == 0) return {};
@@ -400,12 +399,11 @@ Sentence face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh&
       layer.turned[f] = facet_turns[f] ? !layer.turned[f] : layer.turned[f];
   }
   const auto turned = std::count(layer.turned.begin(), layer.turned.end(), 1);
-  const std::string& name = parts.model.surfaces[at(layer.surface)].name;
   if (turned == 0) return {};
-  if (turned == static_cast<std::ptrdiff_t>(layer.turned.size()))
-    return say("surface \"{}\" lies on rigid shells and looked away from its partner: turned round", name);
-  return say("surface \"{}\" lies on rigid shells, and {} of its {} facets looked away from its partner: turned round",
-             name, turned, layer.turned.size());
+  return {{"shells-turned",
+           {.surface = parts.model.surfaces[at(layer.surface)].name},
+           {{"turned", turned}, {"facets", layer.turned.size()}},
+           turned == static_cast<std::ptrdiff_t>(layer.turned.size()) ? 0 : 1}};
 }
 
 }  // namespace dea

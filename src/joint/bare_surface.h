@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
@@ -15,8 +16,8 @@ struct BareSurface {
   FacetList facets;                         ///< of nodes that stand for all at their place
   std::vector<char> turned;                 ///< per facet: wound the other way than the model says
   std::unordered_map<int, int> stands_for;  ///< node -> the one at its place; of those that are not their own
-  Sentence note;                            ///< empty: there is nothing to say
-  std::optional<Fault> fault;               ///< of a surface that has no sides
+  Findings findings;
+  std::optional<Fault> fault;  ///< of a surface that has no sides
 };
 
 /// Solids know their outside; facets on shells follow those beside them, in a piece of shells alone the greater part of
@@ -28,7 +29,7 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
 std::vector<BareRimEdge> bare_rim(const ModelParts& parts, const Layer& layer);
 
 /// Turns the pieces of a bare surface on shells that look away from their partner, but for the back of another piece.
-/// Says how many facets look the other way than the model winds them; empty: none.
-Sentence face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer);
+/// Tells how many facets look the other way than the model winds them.
+Findings face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer);
 
 }  // namespace dea

@@ -35,8 +35,7 @@ void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind, Origin 
   l.origin = origin;
   l.where = where(model, origin);
   if (l.body_a == l.body_b) {
-    c.findings.push_back(
-        say("{} \"{}\" joins two points of body \"{}\": left out", kind, l.name, body_name(draft, l.body_a)));
+    c.findings.push_back({"joins-one-body", {.body = body_name(draft, l.body_a)}, {{"what", kind}, {"name", l.name}}});
     return;
   }
   const double length = (l.point_b - l.point_a).norm();
@@ -189,7 +188,7 @@ void add_connectors(ConnectionsDraft& draft) {
     }
     if (c.body_a == c.body_b)
       draft.connections.findings.push_back(
-          say("joint \"{}\" joins two points of body \"{}\": left out", c.name, body_name(draft, c.body_a)));
+          {"joins-one-body", {.body = body_name(draft, c.body_a)}, {{"what", "joint"}, {"name", c.name}}});
     else
       draft.connections.connectors.push_back(std::move(c));
   }

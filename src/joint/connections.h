@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
 #include "src/model/joint_model.h"
@@ -79,7 +80,7 @@ struct Connections {
   std::vector<Cable> cables;
   std::vector<Connector> connectors;
   std::vector<PointLoad> point_loads;
-  std::vector<Sentence> findings;
+  Findings findings;
   std::optional<Fault> fault;  ///< the first; then the rest is not complete
 };
 

@@ -50,7 +50,7 @@ bool share_nodes(const SurfaceMesh& a, const SurfaceMesh& b) {
 /// Contacts of different names that press facets of the same cartilage: told in `findings`. A fault: the same facets
 /// twice, between the same bodies.
 std::optional<Fault> shared_layers(const JointModel& model, const std::vector<ContactPair>& others,
-                                   const ContactPair& pair, std::vector<Sentence>& findings) {
+                                   const ContactPair& pair, Findings& findings) {
   for (const ContactPair& other : others) {
     if (!at_same_time(pair.step, other.step)) continue;
     for (int side = 0; side < 2; ++side)
@@ -70,13 +70,10 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
                   "with both partners in one surface; or keep one contact with {}",
                   one, NamedSetting{"contact", "", other.name}));
         if (pair.law != Law::Layer && other.law != Law::Layer) continue;  // springs know nothing of their neighbours
-        findings.push_back(say(
-            "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved as "
-            "if "
-            "{}; where both press within two thicknesses of each other their pressures come out too high or too low "
-            "there: one contact with one surface tells it right",
-            other.name, pair.name, one, two,
-            same_partner ? "the other pressed alike on its side of the line they share" : "the other did not press"));
+        findings.push_back({"contacts-side-by-side",
+                            {.contact = pair.name, .surface = two},
+                            {{"other", other.name}, {"other_surface", one}},
+                            same_partner ? 0 : 1});
       }
   }
   return std::nullopt;
@@ -100,11 +97,9 @@ std::optional<Fault> doubled(const JointModel& model, const std::vector<ContactP
 // ----------------------------------------------------------------------------------------------
 
 /// A shell surface has two sides: turns it to its partner. Solids know their outside.
-void turn_shells(const ModelParts& parts, ContactPair& pair, std::vector<Sentence>& findings) {
-  for (int side = 0; side < 2; ++side) {
-    const Sentence turned = face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]);
-    if (!turned.empty()) findings.push_back(turned);
-  }
+void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings) {
+  for (int side = 0; side < 2; ++side)
+    add_once(findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
 }
 
 // ---- one contact
@@ -220,26 +215,18 @@ Reach sideways_reach(const Layer& layer, double same_plane) {
   return endless == 1 ? Reach{0.5 * area / length, true} : Reach{std::sqrt(area / kPi), false};
 }
 
-/// Springs and the layer law suppose a thin layer. Empty: it is one.
-Sentence not_thin(const std::string& surface, const Layer& layer, double same_plane) {
+/// Springs and the layer law suppose a thin layer.
+Findings not_thin(const std::string& surface, const Layer& layer, double same_plane) {
   const double thickness = layer.mean_thickness();
   const Reach reach = sideways_reach(layer, same_plane);
   if (!(thickness > reach.half_width)) return {};
-  return say(
-      "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on {} {:.3g}; springs and the layer law "
-      "suppose one: check {} or {}",
-      surface, thickness,
-      reach.strip ? "a strip between planes of symmetry whose half width is"
-                  : "a surface as large as a circle of radius",
-      reach.half_width, NamedSetting{"thickness"}, NamedSetting{"bone"});
-}
-
-/// Empty: it is one piece.
-std::string compartments_note(const std::string& surface, const Compartments& compartments) {
-  if (compartments.names.empty()) return "";
-  std::string list;
-  for (const std::string& name : compartments.names) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", name);
-  return fmt::format("surface \"{}\": {} compartments that share no node: {}", surface, compartments.size(), list);
+  return {{"not-thin",
+           {.surface = surface},
+           {{"thickness", thickness},
+            {"half_width", reach.half_width},
+            {"give_thickness", NamedSetting{"thickness"}},
+            {"give_bone", NamedSetting{"bone"}}},
+           reach.strip ? 0 : 1}};
 }
 
 /// Edges of the rim that count as a plane of symmetry where no such plane was found.
@@ -276,29 +263,22 @@ std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
 }
 
 /// What the user should know of a layer.
-std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer) {
+Findings layer_findings(const ModelParts& parts, const Layer& layer) {
   const Surface& surface = parts.model.surfaces[at(layer.surface)];
-  std::vector<Sentence> findings = layer.notes;
-  const std::string rim = rim_note(surface.name, layer.face);
-  if (!rim.empty()) findings.push_back(rim);
-  const Sentence left_out = left_out_note(surface.name, layer.facet_kinds);
-  if (!left_out.empty()) findings.push_back(left_out);
-  const std::string pieces = compartments_note(surface.name, layer.compartments);
-  if (!pieces.empty()) findings.push_back(pieces);
+  Findings findings = layer.findings;
+  add_once(findings, rim_findings(surface.name, layer.face));
+  add_once(findings, left_out_findings(surface.name, layer.facet_kinds));
+  if (!layer.compartments.names.empty())
+    findings.push_back({"compartments", {.surface = surface.name}, {{"compartments", layer.compartments.names}}});
   const std::string shells = layer.material >= 0 ? deformable_shells(parts, surface) : "";
-  if (!shells.empty())
-    findings.push_back(
-        say("surface \"{}\": deformable shells {} cover its cartilage; their stiffness and thickness are left out",
-            surface.name, shells));
+  if (!shells.empty()) findings.push_back({"shells-left-out", {.surface = surface.name}, {{"shells", shells}}});
   const int alone = walls_alone(layer.face);
   if (alone > 0)
-    findings.push_back(say(
-        "surface \"{}\": {} edges of its rim are held across an axis, but lie in no plane in which more than half of "
-        "the layer's nodes are held (within {:.2g} of it): taken for a plane of symmetry, though FEBio lets the rest "
-        "move freely; hold all nodes where the layer ends, or none, and put them into one plane",
-        surface.name, alone, parts.holders.same_plane));
-  const Sentence thick = not_thin(surface.name, layer, parts.holders.same_plane);
-  if (!thick.empty()) findings.push_back(thick);
+    findings.push_back({"held-edges-in-no-plane",
+                        {.surface = surface.name},
+                        {{"edges", alone}, {"same_plane", parts.holders.same_plane}}});
+  add_once(findings, not_thin(surface.name, layer, parts.holders.same_plane));
+  if (!layer.rigid) add_once(findings, held_findings(parts, layer, ends_of(parts, layer)));
   return findings;
 }
 
@@ -340,8 +320,8 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   refuse_many_springs(pair);
   if (auto fault = doubled(model, found.contacts, c)) return fault;
   if (pair.layers[0].body == pair.layers[1].body) {
-    found.findings.push_back(say("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name,
-                                 parts.bodies.bodies[at(pair.layers[0].body)].name));
+    found.findings.push_back(
+        {"one-body", {.contact = c.name, .body = parts.bodies.bodies[at(pair.layers[0].body)].name}});
     return std::nullopt;
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
@@ -351,17 +331,7 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;
   if (auto fault = too_auxetic_for_layer_law(model, c, pair)) return fault;
   find_selected_faces(parts, pair);
-  for (Layer& layer : pair.layers)
-    if (!layer.rigid) {
-      layer.half_held = half_held_planes(parts, layer);
-      layer.ends = ends_of(parts, layer);
-      layer.held_elsewhere = held_without_plane(parts, layer);
-      layer.held_face = held_where_it_gives_way(parts, layer);
-    }
-  for (const Layer& layer : pair.layers) {
-    const std::vector<Sentence> findings = layer_findings(parts, layer);
-    found.findings.insert(found.findings.end(), findings.begin(), findings.end());
-  }
+  for (const Layer& layer : pair.layers) add_once(found.findings, layer_findings(parts, layer));
   pair.source = source_of(parts, pair);
   if (auto fault = shared_layers(model, found.contacts, pair, found.findings)) return fault;
   found.contacts.push_back(std::move(pair));

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/joint/layer.h"
 
@@ -30,7 +31,7 @@ struct ContactPair {
 /// What the sliding contacts of a model were taken for.
 struct FoundContacts {
   std::vector<ContactPair> contacts;
-  std::vector<Sentence> findings;
+  Findings findings;
   std::vector<Fault> faults;  ///< not empty: the rest is not complete
   int sliding = 0;            ///< sliding contacts of the model
 };

@@ -237,9 +237,9 @@ void check_given_values(const ModelParts& parts) {
   }
 }
 
-std::vector<Sentence> given_values_in_words(const ModelParts& parts) {
-  std::vector<Sentence> words;
-  if (parts.settings.set_values.empty()) return words;
+Findings given_value_findings(const ModelParts& parts) {
+  Findings findings;
+  if (parts.settings.set_values.empty()) return findings;
   const std::vector<NamedThing> things = named_things(parts);
   for (const GivenValue& given : given_values(parts.settings)) {
     const std::vector<NamedThing> named = called(things, given.name);
@@ -251,10 +251,16 @@ std::vector<Sentence> given_values_in_words(const ModelParts& parts) {
       all = fmt::format(" for {} of the {} things of this name", numbers.size(), named.size());
     else if (named.size() > 1)
       all = fmt::format(" for all {} of this name", named.size());
-    words.push_back(say("set: {}.{} {:.6g}{} (model: {}){}", given.name, given.parameter, given.value, all,
-                        model_values(numbers), controller_words(parts.model, numbers)));
+    findings.push_back({"value-set",
+                        {},
+                        {{"name", given.name},
+                         {"parameter", given.parameter},
+                         {"value", given.value},
+                         {"for", all},
+                         {"in_model", model_values(numbers)},
+                         {"controller", controller_words(parts.model, numbers)}}});
   }
-  return words;
+  return findings;
 }
 
 }  // namespace dea

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/sentence.h"
 #include "src/facts/parts.h"
 
@@ -35,6 +36,6 @@ std::optional<double> constant_force(const DiscreteSprings& springs);
 void check_given_values(const ModelParts& parts);
 
 /// What was changed, a sentence per number: "set: ACL.stiffness 80 (model: 60)".
-std::vector<Sentence> given_values_in_words(const ModelParts& parts);
+Findings given_value_findings(const ModelParts& parts);
 
 }  // namespace dea

@@ -12,6 +12,13 @@ namespace dea {
 
 namespace {
 
+/// A plane across an axis in which nodes of a layer are held, but not those of all edges of its face that lie there.
+struct HalfHeldPlane {
+  int component = -1;
+  double coordinate = 0.0;
+  int edges = 0, unheld = 0;  // of the face's rim in that plane; of these, those that are free edges for it
+};
+
 /// Nodes of the layer in a plane, those of its bone aside: the bone holds them.
 struct PlaneNodes {
   int all = 0, held = 0;
@@ -28,8 +35,6 @@ PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, 
   }
   return count;
 }
-
-}  // namespace
 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
   const SurfaceMesh& mesh = layer.face.mesh;
@@ -60,53 +65,72 @@ std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer
   return found;
 }
 
-std::vector<HeldNodes> held_without_plane(const ModelParts& parts, const Layer& layer) {
+/// As the model numbers them.
+std::vector<int> node_numbers(const ModelParts& parts, const std::vector<int>& nodes) {
+  std::vector<int> numbers;
+  for (const int node : nodes) numbers.push_back(parts.model.node_ids[at(node)]);
+  return numbers;
+}
+
+/// `half_held`, `ends`: where another finding tells of held nodes.
+Findings held_in_no_plane(const ModelParts& parts, const Layer& layer, const std::vector<HalfHeldPlane>& half_held,
+                          const std::vector<PartEnd>& ends) {
   const double near_by = 2 * parts.holders.same_plane;
-  std::vector<HeldNodes> found;
+  Findings found;
   for (int k = 0; k < 3; ++k) {
-    std::vector<double> told;  // where another remark, or the mechanics itself, has these nodes
+    std::vector<double> told;  // where another finding, or the mechanics itself, has these nodes
     for (const SymmetryPlane& plane : layer.planes)
       if (plane.axis == k) told.push_back(plane.at);
-    for (const HalfHeldPlane& plane : layer.half_held)
+    for (const HalfHeldPlane& plane : half_held)
       if (plane.component == k) told.push_back(plane.coordinate);
     for (const LayerFace::Edge& e : layer.face.edges)
       if (e.rim == Rim::Wall && !e.shared && std::abs(outward_at(layer.face.mesh, e.triangle, e.edge)[k]) > kIntoPlane)
         told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
-    HeldNodes held;
-    held.component = k;
+    std::vector<int> held;
     for (const int node : layer.region_nodes) {
       if (parts.bodies.of_node[at(node)] >= 0 || !parts.holders.of_node[at(node)].empty()) continue;
       if ((parts.holders.mirror[at(node)] >> k & 1) == 0) continue;
       const Vector3d& x = parts.model.nodes[at(node)];
       const bool known =
           std::any_of(told.begin(), told.end(), [&](double at) { return std::abs(x[k] - at) <= near_by; }) ||
-          std::any_of(layer.ends.begin(), layer.ends.end(), [&](const PartEnd& end) {
+          std::any_of(ends.begin(), ends.end(), [&](const PartEnd& end) {
             return end.instead == k && std::abs(x[end.plane.axis] - end.plane.at) <= near_by;
           });
-      if (!known) held.nodes.push_back(node);
+      if (!known) held.push_back(node);
     }
-    if (!held.nodes.empty()) found.push_back(std::move(held));
+    if (!held.empty())
+      found.push_back({"held-in-no-plane",
+                       {.surface = parts.model.surfaces[at(layer.surface)].name},
+                       {{"nodes", node_numbers(parts, held)}, {"component", "xyz"[k]}}});
   }
   return found;
 }
 
-std::vector<HeldFace> held_where_it_gives_way(const ModelParts& parts, const Layer& layer) {
+Findings held_in_layer(const ModelParts& parts, const Layer& layer) {
   constexpr double kCartilage = 0.1;  // of the mean thickness: thinner, the layer runs out to its bone
   const auto holders_of = [&](int node) {
     std::set<int> bodies(parts.holders.of_node[at(node)].begin(), parts.holders.of_node[at(node)].end());
     if (parts.bodies.of_node[at(node)] >= 0) bodies.insert(parts.bodies.of_node[at(node)]);
     return bodies;
   };
-  HeldFace face;
-  face.body = layer.body;
-  face.on_face = true;
+  const std::string& own = parts.bodies.bodies[at(layer.body)].name;
+  Findings found;
+  const auto tell = [&](const std::vector<int>& nodes, int body, int form) {
+    if (nodes.empty()) return;
+    found.push_back({"held-in-layer",
+                     {.surface = parts.model.surfaces[at(layer.surface)].name, .body = own},
+                     {{"nodes", node_numbers(parts, nodes)}, {"holder", parts.bodies.bodies[at(body)].name}},
+                     form});
+  };
   const SurfaceMesh& mesh = layer.articular;
   if (layer.thickness.size() == mesh.vertices.size() && !layer.region_nodes.empty()) {
     const std::vector<char> on_rim = rim_vertices(mesh);
     const double thick = kCartilage * layer.mean_thickness();
+    std::vector<int> on_face;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!on_rim[v] && layer.thickness[v] > thick && holders_of(mesh.model_nodes[v]).count(layer.body) > 0)
-        face.nodes.push_back(mesh.model_nodes[v]);
+        on_face.push_back(mesh.model_nodes[v]);
+    tell(on_face, layer.body, 0);
   }
   std::map<int, std::vector<int>> by_others;
   for (const int node : layer.region_nodes) {
@@ -114,14 +138,48 @@ std::vector<HeldFace> held_where_it_gives_way(const ModelParts& parts, const Lay
     if (bodies.count(layer.body) > 0) continue;
     for (const int body : bodies) by_others[body].push_back(node);
   }
-  std::vector<HeldFace> found;
-  if (!face.nodes.empty()) found.push_back(std::move(face));
-  for (auto& [body, nodes] : by_others) {
-    HeldFace other;
-    other.body = body;
-    other.nodes = std::move(nodes);
-    found.push_back(std::move(other));
+  for (const auto& [body, nodes] : by_others) tell(nodes, body, 1);
+  return found;
+}
+
+/// Planes of symmetry that the model holds otherwise than it may have meant.
+Findings odd_ends(const ModelParts& parts, const Subject& surface, const std::vector<PartEnd>& ends) {
+  Findings found;
+  for (const PartEnd& end : ends) {
+    const std::vector<NamedValue> plane = {{"axis", "xyz"[end.plane.axis]}, {"at", end.plane.at}};
+    const auto tell = [&](const char* code, std::vector<NamedValue> values, int form = 0) {
+      values.insert(values.end(), plane.begin(), plane.end());
+      found.push_back({code, surface, std::move(values), form});
+    };
+    if (end.instead >= 0) tell("plane-held-across", {{"instead", "xyz"[end.instead]}});
+    if (!end.forgotten.empty())
+      tell("plane-node-forgotten",
+           {{"forgotten", end.forgotten.size()}, {"of", end.nodes}, {"nodes", node_numbers(parts, end.forgotten)}});
+    if (end.is_plane && end.steps.size() < parts.model.steps.size()) {
+      std::vector<std::string> steps;
+      for (const int step : end.steps) steps.push_back(std::to_string(step + 1));
+      tell("plane-in-some-steps", {{"held", steps}, {"steps", parts.model.steps.size()}}, steps.empty() ? 1 : 0);
+    }
   }
+  return found;
+}
+
+}  // namespace
+
+Findings held_findings(const ModelParts& parts, const Layer& layer, const std::vector<PartEnd>& ends) {
+  const Subject surface = {.surface = parts.model.surfaces[at(layer.surface)].name};
+  const std::vector<HalfHeldPlane> half_held = half_held_planes(parts, layer);
+  Findings found;
+  for (const HalfHeldPlane& plane : half_held)
+    found.push_back({"plane-half-held",
+                     surface,
+                     {{"unheld", plane.unheld},
+                      {"edges", plane.edges},
+                      {"axis", "xyz"[plane.component]},
+                      {"at", plane.coordinate + 0.0}}});
+  add_once(found, odd_ends(parts, surface, ends));
+  add_once(found, held_in_no_plane(parts, layer, half_held, ends));
+  add_once(found, held_in_layer(parts, layer));
   return found;
 }
 

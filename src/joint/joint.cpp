@@ -48,15 +48,12 @@ void check_names(const ModelParts& parts) {
 }
 
 /// What was taken otherwise than the model says.
-std::vector<Sentence> liberties(const JointModel& model, const Settings& settings) {
-  std::vector<Sentence> findings;
+Findings liberties(const JointModel& model, const Settings& settings) {
+  Findings findings;
   for (const RigidNodes& set : model.rigid_nodes)
-    if (set.step >= 0)
-      findings.push_back(
-          say("rigid node set \"{}\" is given for step {} only; it is taken to hold its nodes in all steps", set.name,
-              set.step + 1));
+    if (set.step >= 0) findings.push_back({"rigid-nodes-in-one-step", {}, {{"set", set.name}, {"step", set.step + 1}}});
   for (const std::string& name : settings.rigid)
-    findings.push_back(say("material \"{}\" is taken as rigid ({})", name, NamedSetting{"rigid"}));
+    findings.push_back({"taken-as-rigid", {}, {{"material", name}, {"given", NamedSetting{"rigid"}}}});
   return findings;
 }
 
@@ -68,34 +65,36 @@ Bodies bodies_of_model(const JointModel& model) {
 }
 
 /// Centres of mass that FEBio leaves out: of another material of a body than its first. `own`: its bodies.
-std::vector<Sentence> unused_centers(const JointModel& model, const Bodies& own) {
-  std::vector<Sentence> findings;
+Findings unused_centers(const JointModel& model, const Bodies& own) {
+  Findings findings;
   for (const Body& body : own.bodies)
     for (const int m : body.materials)
       if (const auto& given = model.materials[at(m)].center_of_mass; given && *given != body.center_of_mass)
-        findings.push_back(say(
-            "material \"{}\": its centre of mass {:.4g},{:.4g},{:.4g} is left out, as in FEBio: it shares nodes with "
-            "\"{}\", is one body with it, and the centre of mass of that counts ({:.4g},{:.4g},{:.4g})",
-            model.materials[at(m)].name, (*given)[0], (*given)[1], (*given)[2], body.name, body.center_of_mass[0],
-            body.center_of_mass[1], body.center_of_mass[2]));
+        findings.push_back({"center-of-mass-left-out",
+                            {.body = body.name},
+                            {{"material", model.materials[at(m)].name},
+                             {"x", (*given)[0]},
+                             {"y", (*given)[1]},
+                             {"z", (*given)[2]},
+                             {"body_x", body.center_of_mass[0]},
+                             {"body_y", body.center_of_mass[1]},
+                             {"body_z", body.center_of_mass[2]}}});
   return findings;
 }
 
 /// Centres of mass of bones that the user takes as rigid, where they are not what the elements and densities say.
-std::vector<Sentence> chosen_centers(const JointModel& model, const Bodies& bodies) {
-  std::vector<Sentence> findings;
+Findings chosen_centers(const JointModel& model, const Bodies& bodies) {
+  Findings findings;
   for (const Body& body : bodies.bodies) {
     const int counts = rigid_in_model(model, body);
     for (const int m : body.materials) {
       const Material& material = model.materials[at(m)];
       if (counts >= 0 && !material.rigid)
-        findings.push_back(say("material \"{}\" is one body with \"{}\", whose centre of mass counts", material.name,
-                               model.materials[at(counts)].name));
+        findings.push_back({"center-of-mass-of-other",
+                            {.body = body.name},
+                            {{"material", material.name}, {"other", model.materials[at(counts)].name}}});
       else if (counts < 0 && std::isnan(material.density))
-        findings.push_back(say(
-            "material \"{}\" has a density that is not one number: the centre of mass of body \"{}\" is taken as if "
-            "its density were the same everywhere",
-            material.name, body.name));
+        findings.push_back({"density-varies", {.body = body.name}, {{"material", material.name}}});
     }
   }
   return findings;
@@ -103,18 +102,15 @@ std::vector<Sentence> chosen_centers(const JointModel& model, const Bodies& bodi
 
 /// Rigid bodies of the model (`own`) that what the user takes as rigid makes one of: FEBio has several, each with its
 /// centre.
-std::vector<Sentence> joined_bodies(const JointModel& model, const Bodies& bodies, const Bodies& own) {
-  std::vector<Sentence> findings;
+Findings joined_bodies(const JointModel& model, const Bodies& bodies, const Bodies& own) {
+  Findings findings;
   for (const Body& body : bodies.bodies) {
     const int counts = rigid_in_model(model, body);
     for (const int m : body.materials)
       if (m != counts && own.of_material[at(m)] >= 0 && own.bodies[at(own.of_material[at(m)])].materials.front() == m &&
           own.of_material[at(m)] != own.of_material[at(counts)])
         findings.push_back(
-            say("rigid bodies \"{}\" and \"{}\" of the model are one body through what is taken as rigid between them: "
-                "loads and motions of \"{}\" count at the centre of mass of \"{}\", where FEBio has two",
-                model.materials[at(counts)].name, model.materials[at(m)].name, model.materials[at(m)].name,
-                model.materials[at(counts)].name));
+            {"bodies-joined", {.body = model.materials[at(counts)].name}, {{"other", model.materials[at(m)].name}}});
   }
   return findings;
 }
@@ -138,10 +134,6 @@ std::vector<int> find_carriers(const ModelParts& parts, const std::vector<Contac
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
     if (body[i] < 0) body[i] = parts.holders.fixed[i] ? parts.bodies.ground() : parts.moved[i];
   return body;
-}
-
-void append(std::vector<Sentence>& findings, const std::vector<Sentence>& more) {
-  findings.insert(findings.end(), more.begin(), more.end());
 }
 
 /// Contacts that do not slide, and walls, in one list; the first's place.
@@ -224,22 +216,19 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   Joint& joint = found.joint;
   joint.bodies = parts.bodies.bodies;
   joint.findings = parts.findings;
-  append(joint.findings, liberties(model, settings));
+  add_once(joint.findings, liberties(model, settings));
   const Bodies own = settings.rigid.empty() ? parts.bodies : bodies_of_model(model);
-  append(joint.findings, unused_centers(model, own));
-  append(joint.findings, chosen_centers(model, parts.bodies));
-  append(joint.findings, joined_bodies(model, parts.bodies, own));
-  append(joint.findings, given_values_in_words(parts));
+  add_once(joint.findings, unused_centers(model, own));
+  add_once(joint.findings, chosen_centers(model, parts.bodies));
+  add_once(joint.findings, joined_bodies(model, parts.bodies, own));
+  add_once(joint.findings, given_value_findings(parts));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
   for (const ContactPair& pair : contacts.contacts)
     for (const Layer& layer : pair.layers) add_planes(layer.planes, parts.holders.same_plane, joint.symmetry_planes);
   if (!joint.symmetry_planes.empty())
-    joint.findings.push_back(
-        say("planes of symmetry, or walls without friction: {}; surfaces go on behind them as their mirror images, and "
-            "forces, areas and loads are those of the part that is meshed",
-            in_words(joint.symmetry_planes)));
-  append(joint.findings, contacts.findings);
+    joint.findings.push_back({"symmetry-planes", {}, {{"planes", in_words(joint.symmetry_planes)}}});
+  add_once(joint.findings, contacts.findings);
   found.faults = std::move(contacts.faults);
   if (found.faults.empty()) found.faults = separate_pieces(parts);
   if (!found.faults.empty()) return found;
@@ -248,19 +237,21 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
         contacts.sliding == 0
             ? no_sliding_contact(model)
             : make_fault(model, {0, 0},
-                         say("no sliding contact joins two different bodies: {};", joint.findings.back()),
+                         say("no sliding contact joins two different bodies: contact \"{}\": both surfaces belong to "
+                             "body \"{}\": left out;",
+                             joint.findings.back().subject.contact, joint.findings.back().subject.body),
                          say("name the body of one side with {}", NamedSetting{"attach", "SURFACE", "BODY"}))};
     return found;
   }
   joint.contacts = std::move(contacts.contacts);
 
-  joint.unmodelled = find_unmodelled_parts(parts, joint.contacts);
-  joint.dropped_ties = find_dropped_ties(parts);
-  joint.doubts = closing_ties(model, parts.holders);
+  add_once(joint.findings, unmodelled_parts(parts, joint.contacts));
+  add_once(joint.findings, dropped_ties(parts));
+  add_once(joint.findings, closing_ties(model, parts.holders));
   joint.node_body = find_carriers(parts, joint.contacts);
   Connections connections = find_connections(parts, joint.node_body);
   if (connections.fault) found.faults = {*connections.fault};
-  append(joint.findings, connections.findings);
+  add_once(joint.findings, connections.findings);
   joint.ligaments = std::move(connections.ligaments);
   joint.cables = std::move(connections.cables);
   joint.connectors = std::move(connections.connectors);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
 #include "src/joint/connections.h"
@@ -22,11 +23,8 @@ struct Joint {
   std::vector<Connector> connectors;
   std::vector<PointLoad> point_loads;  ///< nodal forces
   std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
-  std::vector<UnmodelledPart> unmodelled;
-  std::vector<DroppedTie> dropped_ties;
   std::vector<SymmetryPlane> symmetry_planes;
-  std::vector<std::string> doubts;  ///< where FEBio's answer is another one, a sentence each: warnings
-  std::vector<Sentence> findings;   ///< what was concluded or left out, a sentence each, in order
+  Findings findings;  ///< what was concluded, left out or is taken otherwise than in FEBio, in order
 
   /// Index of the body with this name (of any of its materials), -1: none.
   int find_body(const JointModel& model, const std::string& name) const;

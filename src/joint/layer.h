@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/geometry/surface_mesh.h"
 #include "src/joint/layer_face.h"
@@ -18,27 +18,6 @@ namespace dea {
 struct BareRimEdge {
   int triangle = -1, edge = -1;
   bool goes_on = false;  ///< the body's own mesh goes on there, turned by less than 40 degrees, unselected
-};
-
-/// A plane across an axis in which nodes of a layer are held, but not those of all edges of its face that lie there.
-struct HalfHeldPlane {
-  int component = -1;
-  double coordinate = 0.0;
-  int edges = 0, unheld = 0;  ///< of the face's rim in that plane; of these, those that are free edges for it
-};
-
-/// Nodes of a layer that the ground holds in one component, where no plane of symmetry is.
-struct HeldNodes {
-  int component = -1;
-  std::vector<int> nodes;
-};
-
-/// Nodes of a layer that a body holds where the layer is taken to give way: the pressed face itself, or nodes that
-/// another body than the layer's own holds.
-struct HeldFace {
-  int body = -1;         ///< index into Joint::bodies
-  bool on_face = false;  ///< of the articular face, inside its rim; else anywhere in the layer
-  std::vector<int> nodes;
 };
 
 /// Pieces of an articular surface that hang together, such as a tibia's plateaus (compartments.h).
@@ -78,13 +57,9 @@ struct Layer {
   std::vector<char> turned;           ///< of a bare surface, per facet: it looks the other way than the model winds it
   std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has
   std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
-  std::vector<HalfHeldPlane> half_held;     ///< of a layer
-  std::vector<PartEnd> ends;                ///< of its deformable part, at which nodes are held
-  std::vector<HeldNodes> held_elsewhere;    ///< by the ground, at no plane of symmetry (half_held.h)
-  std::vector<HeldFace> held_face;          ///< where the layer gives way all the same (half_held.h)
   Compartments compartments;
-  std::vector<Sentence> notes;  ///< what the user should know of it, a sentence each
-  LayerFace face;               ///< of a layer whose springs stand on the articular surface; else empty
+  Findings findings;  ///< what the user should know of it
+  LayerFace face;     ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }

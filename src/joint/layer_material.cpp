@@ -113,10 +113,8 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
     if (m == material) continue;
     const Material& other = model.materials[at(m)];
     if (in.given.has_thickness()) {
-      result.notes.push_back(
-          say("surface \"{}\": its thickness is given, so all of that is material \"{}\"; \"{}\" of the same part is "
-              "left out, as if it were rigid",
-              in.surface.name, own.name, other.name));
+      result.findings.push_back(
+          {"other-material-rigid", {.surface = in.surface.name}, {{"material", own.name}, {"other", other.name}}});
       continue;
     }
     result.fault = deformable_bone(in, material, E, other);
@@ -135,9 +133,9 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
                                     modulus_settings(in), NamedSetting{"rigid", "", other.name}));
       return result;
     }
-    result.notes.push_back(
-        say("surface \"{}\": its part consists of {}; the springs take the first for all of it (others with {}, {})",
-            in.surface.name, both, NamedSetting{"E"}, NamedSetting{"nu"}));
+    result.findings.push_back({"first-material-for-all",
+                               {.surface = in.surface.name},
+                               {{"materials", both}, {"give_E", NamedSetting{"E"}}, {"give_nu", NamedSetting{"nu"}}}});
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/joint/contact_side.h"
 #include "src/model/elasticity.h"
 
@@ -18,7 +19,7 @@ std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const
 /// One modulus stands for the whole layer. `under_facets`: material -> facets; `in_part`: all materials of its
 /// deformable part. A little difference is told; another tissue, or a bone that is deformable, is a fault.
 struct OtherMaterials {
-  std::vector<Sentence> notes;
+  Findings findings;
   std::optional<Fault> fault;
 };
 OtherMaterials other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,

@@ -57,7 +57,14 @@ Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage
   };
   for (const auto& [contact, tie] : parts.holders.far_ties)
     if (of_region(model.contacts[at(contact)].primary) || of_region(model.contacts[at(contact)].secondary))
-      far += in_words(model, contact, tie) + "; ";
+      far += fmt::format(
+          "contact \"{}\" of type {} reaches {:g}, and {} of {} nodes lie {:.4g} or more from the surface they would "
+          "be "
+          "tied to: they are not tied, in FEBio neither; if they are to be, write a larger {} into it; ",
+          model.contacts[at(contact)].name, model.contacts[at(contact)].type, model.contacts[at(contact)].max_distance,
+          tie.nodes, tie.of, tie.nearest,
+          ties_by_search_radius(model.contacts[at(contact)].type) ? "<search_radius> (1 if it is not given)"
+                                                                  : "<max_distance>");
   return refusal_of(
       in,
       say("{}{} is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in "

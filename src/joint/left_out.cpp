@@ -40,19 +40,19 @@ std::string mostly_left_out(const JointModel& model, const FacetList& facets, co
       count[wall], facets.size(), count[bonded], rest);
 }
 
-Sentence left_out_note(const std::string& surface, const std::vector<FaceKind>& kinds) {
+Findings left_out_findings(const std::string& surface, const std::vector<FaceKind>& kinds) {
   const auto turned = std::count(kinds.begin(), kinds.end(), FaceKind::SideWall),
              bonded = std::count(kinds.begin(), kinds.end(), FaceKind::Bonded);
   if (turned + bonded == 0) return {};
-  const std::string away = fmt::format("{} away from its articular face (side wall)", turned == 1 ? "turns" : "turn"),
-                    held = fmt::format("{} bonded to bone", bonded == 1 ? "is" : "are");
-  return say("surface \"{}\": {} of {} facets {}{}: left out ({} keeps them)", surface, turned > 0 ? turned : bonded,
-             kinds.size(), turned > 0 ? away : held,
-             turned > 0 && bonded > 0 ? fmt::format(" and {} {}", bonded, held) : std::string(),
-             NamedSetting{"keep-facets"});
+  return {{"facets-left-out",
+           {.surface = surface},
+           {{"walls", turned}, {"bonded", bonded}, {"facets", kinds.size()}, {"keep", NamedSetting{"keep-facets"}}},
+           bonded == 0   ? 0
+           : turned == 0 ? 1
+                         : 2}};
 }
 
-std::string rim_note(const std::string& surface, const LayerFace& face) {
+Findings rim_findings(const std::string& surface, const LayerFace& face) {
   double rim = 0.0, stepped = 0.0, highest = 0.0;
   for (const LayerFace::Edge& e : face.edges) {
     const double length =
@@ -62,19 +62,12 @@ std::string rim_note(const std::string& surface, const LayerFace& face) {
     highest = std::max(highest, e.step);
   }
   constexpr double kWorthSaying = 0.02;
-  std::string text;
+  Findings findings;
   if (face.bevelled > kWorthSaying * rim)
-    text = fmt::format(
-        "the layer ends in a bevel along {:.3g} of its rim (the next face turns by 20 to 65 degrees), which is taken "
-        "as "
-        "going on below 40 degrees and as a free edge above: pressures within a thickness of it may be a third off",
-        face.bevelled);
+    findings.push_back({"rim-bevelled", {.surface = surface}, {{"length", face.bevelled}}});
   if (stepped > kWorthSaying * rim)
-    text += fmt::format(
-        "{}steps or notches of up to {:.3g} cross its face along {:.3g} of edges; they are taken as free edges, though "
-        "the layer goes on below them: pressures beside them come out too low; smooth the mesh, or merge its nodes",
-        text.empty() ? "" : "; ", highest, stepped);
-  return text.empty() ? text : fmt::format("surface \"{}\": {}", surface, text);
+    findings.push_back({"face-stepped", {.surface = surface}, {{"height", highest}, {"length", stepped}}});
+  return findings;
 }
 
 }  // namespace dea

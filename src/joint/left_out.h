@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/sentence.h"
 #include "src/joint/layer_face.h"
 
@@ -14,10 +15,10 @@ FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kind
 /// Why a selection is no articular surface: most of it would be left out. Empty: it is one.
 std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds);
 
-/// What was left out of a surface, as a sentence; empty: nothing.
-Sentence left_out_note(const std::string& surface, const std::vector<FaceKind>& kinds);
+/// What was left out of a surface.
+Findings left_out_findings(const std::string& surface, const std::vector<FaceKind>& kinds);
 
-/// Rims that are neither one thing nor the other, as a sentence; empty: none to speak of.
-std::string rim_note(const std::string& surface, const LayerFace& face);
+/// Rims that are neither one thing nor the other.
+Findings rim_findings(const std::string& surface, const LayerFace& face);
 
 }  // namespace dea

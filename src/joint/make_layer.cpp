@@ -257,11 +257,10 @@ void finish_bare_surface(const ContactSide& in, LayerDraft& draft) {
                                use_articular_springs())};
   const bool for_all = in.contact.dea == std::nullopt && in.parts.settings.thickness.count(in.surface.name) == 0;
   if (!layer.rigid && for_all && given.thickness)
-    layer.notes.push_back(
-        say("surface \"{}\": a bare surface of body \"{}\" is given {:g} of cartilage ({}, which is for all surfaces); "
-            "name a surface to give it to that alone",
-            in.surface.name, in.parts.bodies.bodies[at(layer.body)].name, *given.thickness,
-            NamedSetting{"thickness", "", fmt::format("{:g}", *given.thickness)}));
+    layer.findings.push_back({"cartilage-on-bare-surface",
+                              {.surface = in.surface.name, .body = in.parts.bodies.bodies[at(layer.body)].name},
+                              {{"thickness", *given.thickness},
+                               {"given", NamedSetting{"thickness", "", fmt::format("{:g}", *given.thickness)}}}});
   layer.bone = layer.articular;
 }
 
@@ -280,7 +279,7 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
     draft.faults = {*others.fault};
     return;
   }
-  layer.notes.insert(layer.notes.end(), others.notes.begin(), others.notes.end());
+  add_once(layer.findings, others.findings);
   if (const auto fault = tied_to_soft_part(in, support)) {
     draft.faults = {*fault};
     return;
@@ -326,15 +325,18 @@ std::vector<Fault> take_nodes(const ContactSide& in, Layer& layer) {
 }
 
 /// How the user's file was taken.
-Sentence nodes_in_words(const ContactSide& in) {
+Finding thickness_from_file(const ContactSide& in) {
   const JointModel& model = in.parts.model;
   std::set<int> own;
   for (int node : in.surface.nodes) own.insert(model.node_ids[at(node)]);
   const auto& said = in.given.nodes->at_node;
   const auto others = std::count_if(said.begin(), said.end(), [&](const auto& e) { return own.count(e.first) == 0; });
-  return say("surface \"{}\": thickness from {}, {} nodes{}", in.surface.name, in.given.nodes->file,
-             said.size() - static_cast<std::size_t>(others),
-             others > 0 ? fmt::format("; {} of the file's nodes are not on it and passed over", others) : "");
+  return {"thickness-from-file",
+          {.surface = in.surface.name},
+          {{"file", in.given.nodes->file},
+           {"nodes", said.size() - static_cast<std::size_t>(others)},
+           {"passed_over", others}},
+          others > 0 ? 1 : 0};
 }
 
 std::vector<Fault> take_map(const ContactSide& in, Layer& layer) {
@@ -393,7 +395,7 @@ std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
 }
 
 /// A bone surface that the user names need not be of the layer's own elements. A gap between them counts as cartilage.
-Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
+Findings gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
                            const Layer& layer) {
   constexpr double kSame = 0.1;  // of the elements' own thickness
   const std::string name = said_of(in.parts.settings.bone, in.surface.name);
@@ -412,12 +414,10 @@ Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
   if (of_elements.empty() || measured.empty()) return {};
   const double thick = value_above(of_elements, 0.5), taken = value_above(measured, 0.5);
   if (std::abs(taken - thick) <= kSame * thick) return {};
-  return say(
-      "surface \"{}\": up to bone surface \"{}\" its cartilage is {:.3g} thick (the median), but its own "
-      "elements are {:.3g}: {}; if that is not meant, name the face of its own elements with {}",
-      in.surface.name, name, taken, thick,
-      taken > thick ? "the gap between them counts as cartilage" : "what lies beyond does not count",
-      setting_of(in, "bone", "SURFACE"));
+  return {{"gap-to-bone",
+           {.surface = in.surface.name},
+           {{"bone", name}, {"taken", taken}, {"elements", thick}, {"give", setting_of(in, "bone", "SURFACE")}},
+           taken > thick ? 0 : 1}};
 }
 
 /// Far thicker than the surface is wide: a slip of units or digits, with which numbers end in nothing.
@@ -483,8 +483,8 @@ void scale_thickness(const ContactSide& in, Layer& layer) {
                            .expected = use_articular_springs()});
   layer.thickness_scale = *in.given.thickness_scale;
   for (double& t : layer.thickness) t *= layer.thickness_scale;
-  layer.notes.push_back(
-      say("surface \"{}\": thickness times {:g} ({})", in.surface.name, layer.thickness_scale, setting));
+  layer.findings.push_back(
+      {"thickness-scaled", {.surface = in.surface.name}, {{"factor", layer.thickness_scale}, {"given", setting}}});
 }
 
 /// The surface with the body it moves with.
@@ -496,10 +496,8 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   layer.springs_at = in.parts.settings.springs_at;
   std::vector<int> zero;
   if (carried.turned > 0)
-    layer.notes.push_back(
-        say("surface \"{}\": {} of its {} facets have their nodes in the reverse order, facing into their elements: "
-            "turned outwards",
-            in.surface.name, carried.turned, in.surface.size()));
+    layer.findings.push_back(
+        {"facets-turned", {.surface = in.surface.name}, {{"turned", carried.turned}, {"facets", in.surface.size()}}});
   FacetList facets = carried.facets;
   if (support.regions.empty()) {  // the elements under a map on solids know their own nodes
     BareSurface bare = bare_surface(in, carried, carried.on_shells || !in.given.map);
@@ -510,7 +508,7 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
     facets = std::move(bare.facets);
     layer.turned = std::move(bare.turned);
     layer.stands_for = std::move(bare.stands_for);
-    if (!bare.note.empty()) layer.notes.push_back(bare.note);
+    add_once(layer.findings, bare.findings);
   }
   layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero, in.in_plane);
   if (!zero.empty()) {
@@ -542,10 +540,9 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   const bool on_articular = layer.springs_at == SpringsAt::Articular;
   if (draft.faults.empty() && !on_elements && in.given.map && on_articular)
     draft.faults = take_rigid_elements(in, carried, draft);
-  if (draft.faults.empty() && in.given.nodes != nullptr) layer.notes.push_back(nodes_in_words(in));
+  if (draft.faults.empty() && in.given.nodes != nullptr) layer.findings.push_back(thickness_from_file(in));
   if (draft.faults.empty() && on_elements)
-    if (const Sentence gap = gap_to_named_bone(in, carried, draft.boundary, layer); !gap.empty())
-      layer.notes.push_back(gap);
+    add_once(layer.findings, gap_to_named_bone(in, carried, draft.boundary, layer));
   if (draft.faults.empty()) refuse_elasticity_of_bare(in, layer);
   if (draft.faults.empty()) scale_thickness(in, layer);
   if (draft.faults.empty()) draft.faults = too_thick(in, layer);

@@ -117,21 +117,21 @@ std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, co
   return place_bodies(model, joint, settings, [](const Placement&, const Turn&, const Vector3d&) {});
 }
 
-std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings) {
-  std::vector<Sentence> words;
+Findings placement_findings(const JointModel& model, const Joint& joint, const Settings& settings) {
+  Findings found;
   place_bodies(model, joint, settings, [&](const Placement& p, const Turn& turn, const Vector3d& point) {
     const Vector3d v = global_vector(settings, p);
     const std::string frame = p.frame.empty() ? "" : fmt::format(" (given in frame \"{}\")", p.frame);
-    if (p.kind == Placement::Kind::Move)
-      words.push_back(
-          say("body \"{}\" is moved by ({:g}, {:g}, {:g}){} before it starts", p.body, v.x(), v.y(), v.z(), frame));
-    else
-      words.push_back(
-          say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}){} before it starts, through {} "
-              "({:.6g}, {:.6g}, {:.6g})",
-              p.body, p.degrees, v.x(), v.y(), v.z(), frame, turn.name, point.x(), point.y(), point.z()));
+    std::vector<NamedValue> values = {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}, {"frame", frame}};
+    if (p.kind == Placement::Kind::Rotate)
+      values.insert(values.end(), {{"degrees", p.degrees},
+                                   {"center", turn.name},
+                                   {"center_x", point.x()},
+                                   {"center_y", point.y()},
+                                   {"center_z", point.z()}});
+    found.push_back({"placed", {.body = p.body}, std::move(values), p.kind == Placement::Kind::Move ? 0 : 1});
   });
-  return words;
+  return found;
 }
 
 JointModel placed_model(const JointModel& model, const Joint& joint, const Settings& settings) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/geometry/pose.h"
 #include "src/geometry/surface_mesh.h"
 #include "src/joint/joint.h"
@@ -31,6 +32,6 @@ Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const 
 JointModel placed_model(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// The placements, a sentence each: how a body is turned, about what point, and how that was found.
-std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
+Findings placement_findings(const JointModel& model, const Joint& joint, const Settings& settings);
 
 }  // namespace dea

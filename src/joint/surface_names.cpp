@@ -81,7 +81,7 @@ Meant meant_by(const std::string& name, const std::vector<Underneath>& all) {
 struct SurfaceNaming {
   const JointModel& model;
   const Settings& given;  ///< as the user typed them
-  std::vector<Sentence>& findings;
+  Findings& findings;
   std::optional<std::vector<Underneath>> under = {};  ///< found when it is first asked for
 
   /// `setting`: as it was given, with this name; empty: the name stays.
@@ -102,8 +102,8 @@ struct SurfaceNaming {
                                           "surfaces: {};",
                                           meant.what, name, names.size(), name_list(names)),
                              .expected = "name one of them"});
-    findings.push_back(say("{} names no surface; it is taken for \"{}\", the only articular surface of {} \"{}\"",
-                           setting, names.front(), meant.what, name));
+    findings.push_back(
+        {"surface-meant", {.surface = names.front()}, {{"given", setting}, {"what", meant.what}, {"name", name}}});
     return names.front();
   }
 
@@ -125,7 +125,7 @@ struct SurfaceNaming {
 
 }  // namespace
 
-Settings name_surfaces(const JointModel& model, const Settings& settings, std::vector<Sentence>& findings) {
+Settings name_surfaces(const JointModel& model, const Settings& settings, Findings& findings) {
   Settings named = settings;
   SurfaceNaming naming{model, settings, findings};
   naming.rename("attach", named.attach);

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/sentence.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -12,6 +13,6 @@ namespace dea {
 /// that has exactly one articular surface (side of a sliding contact), that surface is meant, and `findings` say so;
 /// other names stay as they are. Throws UsageError: several surfaces may be meant, or the one that is meant is given
 /// too.
-Settings name_surfaces(const JointModel& model, const Settings& settings, std::vector<Sentence>& findings);
+Settings name_surfaces(const JointModel& model, const Settings& settings, Findings& findings);
 
 }  // namespace dea

@@ -112,7 +112,7 @@ unsigned held_against(const ModelParts& parts, int body, unsigned held) {
 
 }  // namespace
 
-std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
+Findings unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
   const JointModel& model = parts.model;
   const std::vector<std::set<int>> bodies = bodies_of_nodes(parts, contacts);
   const std::vector<char> in_layer = nodes_of_layers(parts, contacts);
@@ -159,20 +159,27 @@ std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const
     ++piece.elements;
   });
   for (auto& entry : pieces) alone.push_back(std::move(entry.second));
-  std::map<std::pair<std::set<int>, unsigned>, UnmodelledPart> found;
+  std::map<std::pair<std::set<int>, unsigned>, Piece> found;  // by what they are fastened to
   for (const Piece& piece : alone) {
     const unsigned held = piece.bodies.size() == 1 ? held_against(parts, *piece.bodies.begin(), piece.held) : 0;
     if (piece.bodies.size() < 2 && held == 0) continue;
     if (std::all_of(piece.bodies.begin(), piece.bodies.end(), [&](int b) { return stays(parts, b); })) continue;
-    UnmodelledPart& part = found[{piece.bodies, held}];
-    part.held = held;
+    Piece& part = found[{piece.bodies, held}];
     for (const std::string& name : piece.names)
       if (std::find(part.names.begin(), part.names.end(), name) == part.names.end()) part.names.push_back(name);
     part.elements += piece.elements;
-    part.bodies.assign(piece.bodies.begin(), piece.bodies.end());
   }
-  std::vector<UnmodelledPart> all;
-  for (auto& entry : found) all.push_back(std::move(entry.second));
+  Findings all;
+  for (const auto& [fastened, part] : found) {
+    std::vector<std::string> bodies, components;
+    for (const int b : fastened.first) bodies.push_back(parts.bodies.bodies[at(b)].name);
+    for (unsigned k = 0; k < 3; ++k)
+      if ((fastened.second >> k & 1u) != 0) components.emplace_back(1, "xyz"[k]);
+    all.push_back({"part-not-modelled",
+                   {.body = bodies.front()},
+                   {{"parts", part.names}, {"elements", part.elements}, {"bodies", bodies}, {"components", components}},
+                   components.empty() ? 1 : 0});
+  }
   return all;
 }
 
@@ -208,11 +215,13 @@ int holder_of(const ModelParts& parts, const std::set<int>& regions) {
 
 }  // namespace
 
-std::vector<DroppedTie> find_dropped_ties(const ModelParts& parts) {
+Findings dropped_ties(const ModelParts& parts) {
   const JointModel& model = parts.model;
-  std::vector<DroppedTie> dropped;
+  Findings dropped;
+  const auto body_name = [&](int body) { return parts.bodies.bodies[at(body)].name; };
   const auto add_pair = [&](const std::string& name, int a, int b) {
-    if (!stays(parts, a) || !stays(parts, b)) dropped.push_back({name, {a, b}});
+    if (!stays(parts, a) || !stays(parts, b))
+      dropped.push_back({"tie-left-out", {.body = body_name(a)}, {{"tie", name}, {"other", body_name(b)}}});
   };
   for (const Contact& c : model.contacts) {
     if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
@@ -228,7 +237,7 @@ std::vector<DroppedTie> find_dropped_ties(const ModelParts& parts) {
       };
       const int body = holder_of(parts, a.regions);
       if (body >= 0 && body == holder_of(parts, b.regions) && !soft(a.regions) && !soft(b.regions))
-        dropped.push_back({name, {body}});
+        dropped.push_back({"pieces-side-by-side", {.body = body_name(body)}, {{"tie", name}}});
     }
   }
   for (const RigidNodes& set : model.rigid_nodes) {

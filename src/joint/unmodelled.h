@@ -1,28 +1,20 @@
 // src/joint/unmodelled.h – deformable parts between bodies of which nothing is made.
 #pragma once
-#include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/facts/parts.h"
 #include "src/joint/contacts.h"
 
 namespace dea {
 
 /// Ligaments, discs, capsules of solids, shells or trusses, no layer of a contact: fastened to two bodies or more, or
-/// to one that can move and to the ground in some components.
-struct UnmodelledPart {
-  std::vector<std::string> names;  ///< of the domains
-  int elements = 0;
-  std::vector<int> bodies;  ///< rising; what the parts are fastened to: all of them to the same bodies
-  unsigned held = 0;        ///< of one body: bit k set, nodes are held by the ground in component k, not in all
-};
-std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts);
+/// to one that can move and to the ground in some components (part-not-modelled, one finding for all that join the
+/// same).
+Findings unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts);
 
-/// A tied contact, or a rigid node set, that fastens what stands apart for DEA.
-struct DroppedTie {
-  std::string name;         ///< "contact \"tie\"", "rigid node set \"set\""
-  std::vector<int> bodies;  ///< two rigid bodies; or one: two pieces of cartilage on it, side by side
-};
-std::vector<DroppedTie> find_dropped_ties(const ModelParts& parts);
+/// Tied contacts, and rigid node sets, that fasten what stands apart for DEA: two rigid bodies of which one can move
+/// (tie-left-out), or two pieces of cartilage on one body, side by side (pieces-side-by-side).
+Findings dropped_ties(const ModelParts& parts);
 
 }  // namespace dea

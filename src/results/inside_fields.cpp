@@ -303,54 +303,46 @@ InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const S
 
 namespace {
 
-std::string rows_in_words(const InsideElements& of) {
-  if (of.most_rows == 0) return "";
-  if (of.fewest_rows == of.most_rows) return fmt::format(" in {} row{}", of.most_rows, of.most_rows == 1 ? "" : "s");
-  return fmt::format(" in {} to {} rows", of.fewest_rows, of.most_rows);
-}
-
-Sentence side_in_words(const JointModel& model, const ContactPair& pair, const Layer& layer, const InsideElements& of) {
-  const std::string& surface = model.surfaces[at(layer.surface)].name;
-  if (of.all == 0)
-    return say(
-        "inside: contact \"{}\", surface \"{}\": its layer has no deformable elements in the model; stress and "
-        "strain are told on the surface alone",
-        pair.name, surface);
+Finding side_finding(const JointModel& model, const ContactPair& pair, const Layer& layer, const InsideElements& of) {
+  const Subject subject = {.contact = pair.name, .surface = model.surfaces[at(layer.surface)].name};
+  if (of.all == 0) return {"inside-without-elements", subject};
+  const std::string rows = of.most_rows == 0 ? ""
+                           : of.fewest_rows == of.most_rows
+                               ? fmt::format(" in {} row{}", of.most_rows, of.most_rows == 1 ? "" : "s")
+                               : fmt::format(" in {} to {} rows", of.fewest_rows, of.most_rows);
   const int beside = of.all - static_cast<int>(of.element.size());
-  const std::string rest =
-      beside == 0 ? "" : fmt::format("; {} lie beside it, and show 0 or what another contact does to them", beside);
-  return say(
-      "inside: contact \"{}\", surface \"{}\": {} elements of {}{}, their centroids at {:.2f} to {:.2f} of the "
-      "thickness above the bone{}",
-      pair.name, surface, of.element.size(), of.parts, rows_in_words(of), of.lowest, of.highest, rest);
+  return {"inside-elements",
+          subject,
+          {{"elements", of.element.size()},
+           {"parts", of.parts},
+           {"rows", rows},
+           {"lowest", of.lowest},
+           {"highest", of.highest},
+           {"beside", beside}},
+          beside == 0 ? 0 : 1};
 }
 
 }  // namespace
 
-std::vector<Sentence> inside_in_words(const JointModel& model, const Joint& joint, const InsideMaps& maps) {
-  std::vector<Sentence> words;
+Findings inside_findings(const JointModel& model, const Joint& joint, const InsideMaps& maps) {
+  Findings found;
   std::vector<char> used(at(maps.elements), 0);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
     if (!has_inside(pair)) {
-      words.push_back(
-          say("inside: contact \"{}\" has not {} of two terms with cartilage: nothing is known of its inside",
-              pair.name, NamedSetting{"law", "", "layer"}));
+      found.push_back({"inside-unknown", {.contact = pair.name}, {{"need", NamedSetting{"law", "", "layer"}}}});
       continue;
     }
     for (const int side : {0, 1}) {
       if (pair.layers[side].rigid) continue;
-      words.push_back(side_in_words(model, pair, pair.layers[side], maps.placed[c][at(side)]));
+      found.push_back(side_finding(model, pair, pair.layers[side], maps.placed[c][at(side)]));
       for (int e : maps.placed[c][at(side)].element) used[at(e)] = 1;
     }
   }
   const auto unused = std::count(used.begin(), used.end(), 0);
   if (unused > 0 && unused < maps.elements)
-    words.push_back(
-        say("inside: {} of the model's {} deformable elements lie under no contact: their stress and strain "
-            "are written as 0",
-            unused, maps.elements));
-  return words;
+    found.push_back({"inside-unused", {}, {{"unused", unused}, {"elements", maps.elements}}});
+  return found;
 }
 
 }  // namespace dea

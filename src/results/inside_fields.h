@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/equilibrium/equilibrium.h"
 #include "src/results/inside.h"
@@ -35,7 +36,7 @@ InsideMaps make_inside_maps(const JointModel& model, const Settings& settings, c
                             const SpringBeds& beds);
 
 /// What was found and could not be, a sentence each.
-std::vector<Sentence> inside_in_words(const JointModel& model, const Joint& joint, const InsideMaps& maps);
+Findings inside_findings(const JointModel& model, const Joint& joint, const InsideMaps& maps);
 
 /// UsageError where settings.inside asks for what no contact's law has.
 void check_inside(const Joint& joint, const Settings& settings);

@@ -14,8 +14,9 @@
 #include "src/base/say.h"
 #include "src/base/time_text.h"
 #include "src/joint/shared_ends.h"
-#include "src/run/idle_loads.h"
-#include "src/run/idle_settings.h"
+#include "src/rules/idle_loads.h"
+#include "src/rules/idle_settings.h"
+#include "src/rules/rules.h"
 
 namespace dea {
 
@@ -196,9 +197,9 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   solved.start = starting_poses(model, joint, settings);
   solved.idle = idle_settings(model, joint, settings);
   if (times.back().row >= 0 || times.back().step == last_step(model)) {  // the others have no such loads
-    for (Sentence& words : idle_warnings(idle_loads(model, joint, settings))) solved.idle.push_back(std::move(words));
-    for (Sentence& words : idle_model_loads(model, joint, settings)) solved.idle.push_back(std::move(words));
-    for (Sentence& words : idle_load_points(model, joint, settings)) solved.idle.push_back(std::move(words));
+    add_once(solved.idle, idle_findings(idle_loads(model, joint, settings)));
+    add_once(solved.idle, idle_model_loads(model, joint, settings));
+    add_once(solved.idle, idle_load_points(model, joint, settings));
   }
   Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
@@ -251,6 +252,7 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   if (given.activity) given.activity({Activity::Stage::Springs, 0, 0, {}});
   Prepared prepared = prepare(recognition, given.equilibrium.stop);
   Analysis analysis;
+  add_once(prepared.joint.findings, given.told);
   analysis.maps = make_field_maps(model, prepared.joint);
   analysis.seconds_joint = recognition.seconds + now() - clock;
 
@@ -261,10 +263,10 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   if (recognition.settings.inside && options.inside == nullptr) {
     inside = make_inside_maps(model, recognition.settings, prepared.joint, prepared.beds);
     options.inside = &inside;
-    for (Sentence& words : inside_in_words(model, prepared.joint, inside))
-      prepared.joint.findings.push_back(std::move(words));
+    add_once(prepared.joint.findings, inside_findings(model, prepared.joint, inside));
   }
   static_cast<SolvedStates&>(analysis) = solve_states(model, recognition.settings, prepared, analysis.maps, options);
+  analysis.findings = all_findings(model, prepared.joint, analysis);
   analysis.joint = std::move(prepared.joint);
   analysis.beds = std::move(prepared.beds);
   analysis.seconds_solve = now() - clock;

@@ -9,36 +9,17 @@
 #include "src/equilibrium/load_case.h"
 #include "src/equilibrium/times.h"
 #include "src/joint/joint.h"
-#include "src/results/fields.h"
-#include "src/results/inside_fields.h"
-#include "src/results/statistics.h"
+#include "src/results/solved_states.h"
 #include "src/run/prepared.h"
 #include "src/run/recognise.h"
 
 namespace dea {
 
-struct StateResult {
-  TimePoint when;
-  Equilibrium equilibrium;
-  std::vector<ContactFields> fields;          ///< one per contact
-  std::vector<ContactStatistics> statistics;  ///< one per contact
-  std::vector<Vector3d> displacements;        ///< one per model node
-  std::vector<InsideDomain> inside;           ///< of deformable solid elements; empty: not asked for
-};
-
-/// What was solved of one joint under one set of loads.
-struct SolvedStates {
-  std::vector<StateResult> states;  ///< those that were kept, in order of time
-  std::vector<Pose> start;          ///< per body: where it began
-  std::vector<char> free_to_turn;   ///< per body: about some axis, in the last state that was kept
-  std::vector<char> free_to_move;   ///< per body: along some axis, in that state
-  std::vector<Sentence> idle;       ///< loads that the settings give and that have no effect (idle_loads.h)
-};
-
 struct Analysis : SolvedStates {
   Joint joint;
   SpringBeds beds;  ///< that were used, for whoever looks at more poses
   FieldMaps maps;
+  Findings findings;           ///< all that is to be known of the joint and its results, what matters most first
   double seconds_joint = 0.0;  ///< recognition and springs
   double seconds_solve = 0.0;  ///< equilibria and fields
 };
@@ -70,6 +51,7 @@ struct AnalysisOptions {
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
+  Findings told;              ///< what the caller found as it chose the states: among Analysis::findings
   bool displacements = true;  ///< StateResult::displacements are wanted
   /// Not owned: of the same joint, whose inside is wanted with the fields; nullptr: it is not. `analyse` makes it
   /// itself where the settings ask for it.

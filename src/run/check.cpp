@@ -103,7 +103,7 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
     for (std::size_t i = 0; i < states.times.size(); ++i)
       if (states.wanted[i]) check.times.push_back(states.times[i]);
     const bool own = row_count(recognition.settings) == 0 && !recognition.settings.skip_steps;
-    if (own && very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
+    if (own && very_many_time_steps(model)) check.joint.findings.push_back(states_thinned(model, check.times.size()));
     if (!controllers_have_values(model)) return check;
     check_steps(model, recognition.settings, states.times, check);
     check.row = check_row(recognition, check.joint);

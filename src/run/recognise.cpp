@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -67,7 +66,7 @@ std::vector<Fault> unsupported_faults(const JointModel& model) {
 }
 
 /// The frames that other settings name. Throws UsageError: one of them is not there.
-std::vector<Sentence> frames_in_words(const Settings& settings) {
+Findings frame_findings(const Settings& settings) {
   std::vector<std::string> named;
   const auto add_name = [&](const std::string& frame) {
     if (!frame.empty() && std::find(named.begin(), named.end(), frame) == named.end()) named.push_back(frame);
@@ -86,16 +85,16 @@ std::vector<Sentence> frames_in_words(const Settings& settings) {
     frame_axes(settings, table.frame, {"load-frame", "", "frame:" + table.frame});
     add_name(table.frame);
   }
-  std::vector<Sentence> words;
+  Findings found;
   for (const std::string& frame : named) {
     const Eigen::Matrix3d axes = settings.frames.at(frame);
     const auto axis = [&](int k) {
       return fmt::format("{} ({:.4f}, {:.4f}, {:.4f})", std::string(1, "xyz"[k]), axes(0, k) + 0.0, axes(1, k) + 0.0,
                          axes(2, k) + 0.0);
     };
-    words.push_back(say("frame \"{}\" in the model's axes: {}, {}, {}", frame, axis(0), axis(1), axis(2)));
+    found.push_back({"frame", {}, {{"frame", frame}, {"x", axis(0)}, {"y", axis(1)}, {"z", axis(2)}}});
   }
-  return words;
+  return found;
 }
 
 }  // namespace
@@ -112,12 +111,9 @@ void refuse_unsupported(const JointModel& model) { throw_if_any(unsupported_faul
 Loading check_loading(const JointModel& model, const Joint& joint, const Settings& settings) {
   check_inside(joint, settings);
   Loading loading;
-  const auto tell = [&](std::vector<Sentence> words) {
-    std::move(words.begin(), words.end(), std::back_inserter(loading.findings));
-  };
-  tell(frames_in_words(settings));
+  add_once(loading.findings, frame_findings(settings));
   if (!settings.placements.empty()) {
-    tell(placements_in_words(model, joint, settings));
+    add_once(loading.findings, placement_findings(model, joint, settings));
     for (const Fault& fault : broken_connectors(model, joint, starting_poses(model, joint, settings)))
       add(loading.faults, fault);
   }
@@ -129,8 +125,8 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
   }
   if (!loading.faults.empty() || !controllers_have_values(model)) return loading;
   check_rows(model, joint, settings);
-  tell(rows_in_words(model, joint, settings));
-  tell(seating_steps(model, joint, settings));
+  add_once(loading.findings, row_findings(model, joint, settings));
+  add_once(loading.findings, seating_steps(model, joint, settings));
   return loading;
 }
 
@@ -147,10 +143,11 @@ Recognition recognise_joint(JointModel given, Settings settings) {
   if (no_body) add(r.faults, *no_body);
   for (const Fault& fault : unsupported_faults(model)) add(r.faults, fault);
   if (sliding && !no_body) {
-    std::vector<Sentence> naming;
+    Findings naming;
     r.settings = name_surfaces(model, r.settings, naming);
     JointFound found = find_joint(model, r.settings);
-    found.joint.findings.insert(found.joint.findings.begin(), naming.begin(), naming.end());
+    add_once(naming, found.joint.findings);
+    found.joint.findings = std::move(naming);
     for (const Fault& fault : found.faults) add(r.faults, fault);
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);
@@ -166,7 +163,7 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
   if (r.recognised) {
     Loading loading = check_loading(model, r.joint, r.settings);
     for (const Fault& fault : loading.faults) add(r.faults, fault);
-    for (Sentence& words : loading.findings) r.joint.findings.push_back(std::move(words));
+    add_once(r.joint.findings, loading.findings);
   }
   if (row_count(r.settings) == 0) try_to(r.faults, [&] { model_times(model, !all_states); });
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/joint/joint.h"
 
@@ -32,8 +33,8 @@ Recognition recognise_joint(JointModel model, Settings settings = {});
 
 /// What settings that place, load and move the bodies make of a joint that is there.
 struct Loading {
-  std::vector<Fault> faults;       ///< as Recognition::faults
-  std::vector<Sentence> findings;  ///< how they were taken
+  std::vector<Fault> faults;  ///< as Recognition::faults
+  Findings findings;          ///< how they were taken
 };
 /// `joint`: recognised from `model` and joint_settings(settings), whose bodies they name (check_body_names). Throws
 /// UsageError for settings that contradict each other.

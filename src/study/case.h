@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/equilibrium/equilibrium.h"
 #include "src/results/statistics.h"
 
@@ -47,7 +48,7 @@ struct CaseResult {
   };
   Outcome outcome = Outcome::Refused;
   std::string message;  ///< one line; empty when solved
-  std::vector<std::string> warnings;
+  Findings warnings;
   std::vector<CaseContact> contacts;
   std::vector<std::string> bodies;    ///< names; the ground among them
   std::vector<CaseSurface> surfaces;  ///< one per contact, where fields are kept: of this model's first case only

@@ -1,5 +1,5 @@
 // What is told of numbers that no joint has: one line each, and none for joints.
-#include "views/text/plausibility.h"
+#include "src/rules/rules.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 
 #include "io/feb/read_feb.h"
 #include "src/base/numbers.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "tests/src/test_models.h"
-#include "views/text/remarks.h"
 
 namespace dea::plausibility_test {
 

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "io/files/output.h"
-#include "io/files/unit_names.h"
 #include "src/base/numbers.h"
+#include "src/base/unit_names.h"
 #include "src/build/clear_overlap.h"
 #include "src/results/comparison.h"
 #include "views/map/map_geometry.h"

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "io/files/unit_names.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
 #include "src/base/time_text.h"
+#include "src/base/unit_names.h"
 #include "src/version.h"
 
 namespace dea {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "io/files/unit_names.h"
+#include "src/base/unit_names.h"
 #include "views/compare/compare_files.h"
 
 namespace dea {

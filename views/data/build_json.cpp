@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "src/base/numbers.h"
+#include "src/rules/odd_modulus.h"
 #include "src/version.h"
 #include "views/data/build_json.h"
-#include "views/text/plausibility.h"
 
 namespace dea {
 
@@ -146,8 +146,12 @@ std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildRepo
 }
 
 std::string modulus_question(const BuiltModelSettings& model) {
-  const std::string odd = odd_modulus(model.E, model.units);
-  return odd.empty() ? "" : "cartilage: " + odd;
+  const auto megapascals = odd_modulus(model.E, unit_names(model.units));
+  return megapascals ? fmt::format(
+                           "cartilage: E = {:g} is {:.3g} MPa in the model's units, {}; cartilage has 0.1 to 100 "
+                           "MPa: check the modulus and the units",
+                           model.E, *megapascals, model.units)
+                     : "";
 }
 
 std::vector<std::string> build_warnings(const BuildSummary& s) {

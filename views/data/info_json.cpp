@@ -213,7 +213,9 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   for (const TimePoint& t : check.times) j["times"].push_back(t.time);
   const Wording wording = command_line_wording();
   j["findings"] = Json::array();
-  for (const Sentence& finding : joint.findings) j["findings"].push_back(worded(finding, wording));
+  const Findings findings = check.recognised ? model_findings(model, joint) : Findings{};
+  for (const Finding& finding : joint.findings)
+    if (severity(finding) == Severity::Note) j["findings"].push_back(worded(finding, wording));
   j["ignored"] = remarks_json(model, model.ignored);
   j["unsupported"] = remarks_json(model, model.unsupported);
   j["error"] = check.errors.empty() ? Json(nullptr) : Json(line(check.errors.front(), wording));
@@ -221,6 +223,7 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
   j["unit_names"] = units_json(model.units);
   j["assumed"] = remarks_json(model, model.assumed);
+  j["finding_values"] = findings_json(findings);
   return j;
 }
 

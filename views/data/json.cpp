@@ -1,5 +1,5 @@
 #include "views/data/json.h"
-#include "io/files/unit_names.h"
+#include "src/base/unit_names.h"
 
 #include <cmath>
 

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <functional>
 
+#include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
 #include "src/results/contact_numbers.h"
+#include "src/rules/rules.h"
 #include "views/data/csv.h"
 
 namespace dea {
@@ -47,10 +49,28 @@ struct ContactRow {
   const Joint& joint;
   const StateResult& state;
   std::size_t contact;
-  std::string warnings = {};
+  const Findings* findings = nullptr;  ///< the warnings
+  bool first = false;                  ///< of the table
   const ContactPair& pair() const { return joint.contacts[contact]; }
   const ContactStatistics& statistics() const { return state.statistics[contact]; }
 };
+
+/// All of them, one after the other.
+std::string warnings_text(const Findings& findings) {
+  std::string all;
+  for (const Finding& f : findings) all += (all.empty() ? "" : "; ") + worded(f, command_line_wording());
+  return all;
+}
+
+/// The codes of those that are of this contact, or of no contact by itself, each once.
+std::string codes_of(const Findings& findings, const std::string& contact) {
+  std::vector<std::string> codes;
+  for (const Finding& f : findings)
+    if ((f.subject.contact.empty() || f.subject.contact == contact) &&
+        std::find(codes.begin(), codes.end(), f.code) == codes.end())
+      codes.push_back(f.code);
+  return fmt::format("{}", fmt::join(codes, " "));
+}
 
 bool with_inside(const Analysis& analysis) {
   return std::any_of(analysis.states.begin(), analysis.states.end(), has_inside);
@@ -77,10 +97,11 @@ std::vector<Column<ContactRow>> contact_columns(bool inside) {
   columns.push_back({"target_resultant_factor", [=](R r) { return factor(r, 1 - r.pair().source); }});
   for (const NamedNumber<Headline>& n : headline_columns())
     columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics().headline)); }});
-  columns.push_back({"warnings", [](R r) { return csv_word(r.warnings); }});
-  if (!inside) return columns;
-  for (const NamedNumber<ContactStatistics>& n : inside_numbers())
-    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics())); }});
+  columns.push_back({"warnings", [](R r) { return csv_word(r.first ? warnings_text(*r.findings) : ""); }});
+  if (inside)
+    for (const NamedNumber<ContactStatistics>& n : inside_numbers())
+      columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics())); }});
+  columns.push_back({"codes", [](R r) { return csv_word(codes_of(*r.findings, r.pair().name)); }});
   return columns;
 }
 
@@ -178,13 +199,14 @@ std::vector<Column<FacetRow>> facet_columns(bool inside) {
 
 }  // namespace
 
-std::string run_csv(const Analysis& analysis, const std::string& warnings) {
+std::string run_csv(const Analysis& analysis) {
+  const Findings warned = warnings(analysis.findings);
   const std::vector<Column<ContactRow>> columns = contact_columns(with_inside(analysis));
   std::string text = header(columns);
   bool first = true;
   for (const StateResult& state : analysis.states)
     for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c, first = false)
-      text += line(columns, ContactRow{analysis.joint, state, c, first ? warnings : ""});
+      text += line(columns, ContactRow{analysis.joint, state, c, &warned, first});
   return text;
 }
 

@@ -7,8 +7,8 @@
 
 #include "src/base/numbers.h"
 #include "src/model/settings_table.h"
+#include "src/rules/rules.h"
 #include "src/version.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 
 namespace dea {
@@ -138,7 +138,7 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   j["contacts"] = Json::array();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     j["contacts"].push_back(contact_json(model, joint, joint.contacts[c], state.statistics[c], state.fields[c]));
-  j["message"] = outcome_text(e);
+  j["message"] = outcome_text(e, command_line_wording());
   j["step"] = state.when.step + 1;
   j["load"] = json_number(e.load);
   j["residual_history"] = Json::array();
@@ -210,8 +210,9 @@ Json frame_json(const JointModel& model, const Settings& settings, const Analysi
   for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
   j["states"] = Json::array();
   j["units"] = json_word(model.units);
-  j["findings"] = run_remarks(model, analysis);
+  j["findings"] = lines(analysis.findings, command_line_wording());
   j["unit_names"] = units_json(model.units);
+  j["finding_values"] = findings_json(analysis.findings);
   return j;
 }
 

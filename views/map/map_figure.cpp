@@ -7,13 +7,13 @@
 #include <limits>
 #include <set>
 
-#include "io/files/unit_names.h"
 #include "io/results/inside_rows.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
 #include "src/base/time_text.h"
+#include "src/base/unit_names.h"
 #include "src/results/headline.h"
 #include "views/map/map_scale.h"
 #include "views/text/table.h"

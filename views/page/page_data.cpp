@@ -9,11 +9,12 @@
 #include <map>
 #include <utility>
 
+#include "io/settings/setting_words.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/rules/rules.h"
 #include "views/map/map_geometry.h"
 #include "views/text/compare_text.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 
 namespace dea {
@@ -580,7 +581,7 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
   data.units = unit_names(file.xplt.units);
   const std::vector<ResultFile> files = {file};
   add_results(files, data);
-  data.warnings = run_remarks(model, analysis);
+  data.warnings = lines(analysis.findings, command_line_wording());
   if (!file.xplt.states.empty()) {
     const int last = static_cast<int>(file.xplt.states.size()) - 1;
     make_frames(files, {last}, data);

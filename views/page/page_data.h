@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "io/files/unit_names.h"
 #include "io/results/result_file.h"
+#include "src/base/unit_names.h"
 #include "src/run/analysis.h"
 #include "views/compare/compare_files.h"
 #include "views/map/map_scale.h"

@@ -63,11 +63,11 @@ std::string kind_of(const std::string& message) {
   return kind;
 }
 
-/// Texts that differ in their numbers only, the most frequent first.
+/// What was told of cases, by kind, the most frequent first.
 class Reasons {
  public:
-  void add(const std::string& text, std::size_t number) {
-    Reason& r = reasons_[kind_of(text)];
+  void add(const std::string& kind, const std::string& text, std::size_t number) {
+    Reason& r = reasons_[kind];
     if (r.cases.empty()) r.text = text;
     ++r.count;
     if (r.cases.empty() || r.cases.back() != number) r.cases.push_back(number);
@@ -301,15 +301,18 @@ Json failures_json(const StudyNumbers& n, const std::vector<StudyWarning>& warni
   for (std::size_t i = 0; i < n.cases.size(); ++i) {
     const StudyCase& c = n.cases[i];
     if (c.outcome == CaseResult::Outcome::Solved) continue;
-    reasons.add(fmt::format("{}: {}", name(c.outcome), c.message), c.number);
+    const std::string reason = fmt::format("{}: {}", name(c.outcome), c.message);
+    reasons.add(kind_of(reason), reason, c.number);
     if (++count > kMostRows) continue;
     Json row = {c.number, name(c.outcome)};
     for (const StudyColumn& column : n.columns) row.push_back(column.levels[at(column.level[i])]);
     row.push_back(c.message);
     rows.push_back(std::move(row));
   }
-  for (const StudyState& s : n.unsolved) states.add(s.outcome, static_cast<std::size_t>(s.case_id));
-  for (const StudyWarning& w : warnings) warned.add(w.text, static_cast<std::size_t>(w.case_id));
+  for (const StudyState& s : n.unsolved) states.add(s.outcome, s.outcome, static_cast<std::size_t>(s.case_id));
+  for (const StudyWarning& w : warnings)
+    warned.add(fmt::format("{}\n{}\n{}\n{}", w.code, w.contact, w.surface, w.body), w.text,
+               static_cast<std::size_t>(w.case_id));
   Json j;
   j["cases"] = count;
   j["reasons"] = reasons.json();

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "io/files/unit_names.h"
 #include "io/study/read_study.h"
 #include "io/study/study_rows.h"
+#include "src/base/unit_names.h"
 
 namespace dea {
 

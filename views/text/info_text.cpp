@@ -7,10 +7,10 @@
 
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "src/run/recognise.h"
 #include "views/text/info_words.h"
-#include "views/text/remarks.h"
 #include "views/text/run_text.h"
 #include "views/text/words.h"
 
@@ -308,7 +308,7 @@ std::string times_text(const std::vector<TimePoint>& times) {
 }
 
 std::string remarks_text(const JointModel& model, const Joint& joint) {
-  const std::vector<std::string> remarks = model_remarks(model, joint);
+  const std::vector<std::string> remarks = coded_lines(model_findings(model, joint), command_line_wording());
   std::string text = remarks.empty() && model.unsupported.empty() ? "" : "\nremarks\n";
   for (const std::string& line : remarks) text += "  " + line + "\n";
   for (const Remark& r : model.unsupported)

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/files/unit_names.h"
+#include "src/base/unit_names.h"
 #include "src/results/headline.h"
 
 namespace dea {

@@ -1,4 +1,4 @@
-// io/files/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
+// src/base/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
 #pragma once
 #include <string>
 #include <vector>

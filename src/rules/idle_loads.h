@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/base/sentence.h"
 #include "src/joint/joint.h"
 
@@ -29,19 +30,19 @@ Sentence instead_of(const IdleLoad& load);
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
 std::string idle_in_words(const IdleLoad& load);
 
-/// Loads of the model without effect. Forces along a motion that it prescribes, in all steps in which they act, a
-/// sentence each. Where no load of the model or the settings has an effect, also forces on bodies that are held; else
-/// these are the other ends of muscles. Moments about an axis that is held or prescribed, but for those
-/// whose opposite acts on another body, as a joint has them. Not loads that the settings replace, those of value 0, and
-/// those of kind Target or relative ones, which FEBio counts from the reaction.
-std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
+/// Loads of the model without effect. Forces along a motion that it prescribes, in all steps in which they act. Where
+/// no load of the model or the settings has an effect, also forces on bodies that are held; else these are the other
+/// ends of muscles. Moments about an axis that is held or prescribed, but for those whose opposite acts on another
+/// body, as a joint has them. Not loads that the settings replace, those of value 0, and those of kind Target or
+/// relative ones, which FEBio counts from the reaction.
+Findings idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
-/// Points of the settings (load-at) that change nothing, a sentence each: no force acts on the body, or none of its
+/// Points of the settings (load-at) that change nothing: no force acts on the body, or none of its
 /// rotations is free. Followers and forces at nodes have points of their own.
-std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings);
+Findings idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings);
 
-/// What the user is to be warned of, a sentence each. Of a table's moments nothing is said unless its forces are idle
+/// What the user is to be warned of. Of a table's moments nothing is said unless its forces are idle
 /// too: measured tables have them, and bones that do not turn are usual.
-std::vector<Sentence> idle_warnings(const std::vector<IdleLoad>& loads);
+Findings idle_findings(const std::vector<IdleLoad>& loads);
 
 }  // namespace dea

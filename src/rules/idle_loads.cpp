@@ -1,4 +1,4 @@
-#include "src/run/idle_loads.h"
+#include "src/rules/idle_loads.h"
 
 #include <fmt/format.h>
 
@@ -130,8 +130,8 @@ bool loads_by_settings(const JointModel& model, const Joint& joint, const Settin
 
 }  // namespace
 
-std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
-  std::vector<Sentence> always, held;  // told always, told where nothing acts
+Findings idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
+  Findings always, held;  // told always, told where nothing acts
   if (model.rigid_loads.empty()) return held;
   const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
   bool acts = !model.rigid_followers.empty() || !joint.point_loads.empty();  // another load presses
@@ -152,20 +152,23 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
     if (!any || !idle || replaced || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
     if (moment && of_pair(model, load)) continue;
     const bool moved = ends.back().bodies[at(b)].dofs[at(load.dof)] == DofState::Prescribed;
-    const char *how = moment ? "about" : "along", *by = !moved ? "held" : moment ? "turned" : "moved";
     (moved || moment ? always : held)
-        .push_back(fmt::format("{}{} {} {} has no effect: body \"{}\" is {}{} {} that axis",
-                               moment ? "moment" : "force", load.name.empty() ? "" : fmt::format(" \"{}\"", load.name),
-                               how, "xyz"[load.dof % 3], joint.bodies[at(b)].name, by, moved ? " as prescribed" : "",
-                               how));
+        .push_back({"idle-model-load",
+                    {.body = joint.bodies[at(b)].name},
+                    {{"load", load.name.empty() ? "" : fmt::format(" \"{}\"", load.name)},
+                     {"axis", "xyz"[load.dof % 3]},
+                     {"by", !moved   ? "held"
+                            : moment ? "turned as prescribed"
+                                     : "moved as prescribed"}},
+                    moment ? 1 : 0});
   }
   if (!acts && settings.force.empty() && settings.loads.time.empty())
     always.insert(always.end(), held.begin(), held.end());
   return always;
 }
 
-std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings) {
-  std::vector<Sentence> idle;
+Findings idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings) {
+  Findings idle;
   if (settings.load_at.empty()) return idle;
   const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
   for (const auto& [name, point] : settings.load_at) {
@@ -179,13 +182,11 @@ std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joi
       return is_free(body, 3) || is_free(body, 4) || is_free(body, 5);
     });
     const NamedSetting given{.setting = "load-at", .of = name, .bare = true};
-    if (!force)
-      idle.push_back(say(
-          "{}: it has no effect, for no rigid force acts on body \"{}\" (other forces have points of their own); give "
-          "one with {}, or leave it out",
-          given, joint.bodies[at(b)].name, NamedSetting{"force", name, "x,y,z"}));
-    else if (!turns)
-      idle.push_back(say("{}: it has no effect, for body \"{}\" is not free to turn", given, joint.bodies[at(b)].name));
+    if (!force || !turns)
+      idle.push_back({"idle-load-point",
+                      {.body = joint.bodies[at(b)].name},
+                      {{"given", given}, {"give", NamedSetting{"force", name, "x,y,z"}}},
+                      force ? 1 : 0});
   }
   return idle;
 }
@@ -211,14 +212,14 @@ std::string idle_in_words(const IdleLoad& load) {
   return fmt::format("body \"{}\" is not free to {} at the end of the last step; {}", load.body, ways, what);
 }
 
-std::vector<Sentence> idle_warnings(const std::vector<IdleLoad>& loads) {
-  std::vector<Sentence> words;
+Findings idle_findings(const std::vector<IdleLoad>& loads) {
+  Findings found;
   for (IdleLoad load : loads) {
     if (!load.all) std::fill(load.lost.begin() + 3, load.lost.end(), false);
     if (std::none_of(load.lost.begin(), load.lost.end(), [](bool lost) { return lost; })) continue;
-    words.push_back(say("{}: {}", load.given, idle_in_words(load)));
+    found.push_back({"idle-load", {.body = load.body}, {{"given", load.given}, {"why", idle_in_words(load)}}});
   }
-  return words;
+  return found;
 }
 
 }  // namespace dea

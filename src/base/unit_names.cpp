@@ -1,4 +1,4 @@
-#include "io/files/unit_names.h"
+#include "src/base/unit_names.h"
 
 namespace dea {
 

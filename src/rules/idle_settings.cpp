@@ -1,4 +1,4 @@
-#include "src/run/idle_settings.h"
+#include "src/rules/idle_settings.h"
 
 #include <algorithm>
 #include <set>
@@ -13,12 +13,12 @@ namespace {
 
 /// Warns of those of a setting's surfaces that no sliding contact has.
 template <class Values>
-void add_surfaces(const std::set<std::string>& sliding, const char* setting, const Values& values,
-                  std::vector<Sentence>& idle) {
+void add_surfaces(const std::set<std::string>& sliding, const char* setting, const Values& values, Findings& idle) {
   for (const auto& entry : values)
     if (!entry.first.empty() && sliding.count(entry.first) == 0)
-      idle.push_back(say("{}: it has no effect, for no sliding contact has this surface",
-                         NamedSetting{.setting = setting, .of = entry.first, .bare = true}));
+      idle.push_back({"idle-setting",
+                      {.surface = entry.first},
+                      {{"given", NamedSetting{.setting = setting, .of = entry.first, .bare = true}}}});
 }
 
 bool turns(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
@@ -30,12 +30,12 @@ bool turns(const JointModel& model, const Joint& joint, const Settings& settings
 
 }  // namespace
 
-std::vector<Sentence> idle_settings(const JointModel& model, const Joint& joint, const Settings& settings) {
+Findings idle_settings(const JointModel& model, const Joint& joint, const Settings& settings) {
   std::set<std::string> sliding;  // surfaces, also of contacts that the settings leave out
   for (const Contact& c : model.contacts)
     if (c.kind == Contact::Kind::Sliding)
       for (const int surface : {c.primary, c.secondary}) sliding.insert(model.surfaces[at(surface)].name);
-  std::vector<Sentence> idle;
+  Findings idle;
   add_surfaces(sliding, "attach", settings.attach, idle);
   add_surfaces(sliding, "bone", settings.bone, idle);
   add_surfaces(sliding, "thickness", settings.thickness, idle);
@@ -45,9 +45,11 @@ std::vector<Sentence> idle_settings(const JointModel& model, const Joint& joint,
   add_surfaces(sliding, "nu", settings.nu, idle);
   for (const auto& entry : settings.rotate_about)
     if (!turns(model, joint, settings, joint.find_body(model, entry.first)))
-      idle.push_back(say("{}: it has no effect, for no setting turns body \"{}\"; turn it with {}, or leave it out",
-                         NamedSetting{.setting = "rotate-about", .of = entry.first, .bare = true}, entry.first,
-                         NamedSetting{"rotate", entry.first, "x,y,z,DEGREES"}));
+      idle.push_back({"idle-setting",
+                      {.body = entry.first},
+                      {{"given", NamedSetting{.setting = "rotate-about", .of = entry.first, .bare = true}},
+                       {"turn", NamedSetting{"rotate", entry.first, "x,y,z,DEGREES"}}},
+                      1});
   return idle;
 }
 

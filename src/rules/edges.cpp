@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "src/base/numbers.h"
+#include "src/joint/shared_ends.h"
+#include "src/rules/look.h"
+
+namespace dea {
+
+namespace {
+
+/// From corner to corner.
+std::vector<std::array<Vector3d, 2>> free_edges(const Layer& layer) {
+  std::vector<std::array<Vector3d, 2>> edges;
+  const SurfaceMesh& mesh = layer.face.mesh;
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (e.rim == Rim::Free)
+      edges.push_back({mesh.corner(e.triangle, e.edge), mesh.corner(e.triangle, (e.edge + 1) % 3)});
+  return edges;
+}
+
+/// The part of a surface's force that presses it within one mean thickness of a free edge of its layer.
+double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
+  const SurfaceMesh& mesh = layer.articular;
+  const double near_by = layer.mean_thickness();
+  std::vector<std::pair<Vector3d, double>> pressed;  // centroids of triangles, and their forces
+  Eigen::AlignedBox3d box;
+  double all = 0.0, beside = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const double p = pressure[at(mesh.facet[at(t)])];
+    if (!(p > 0)) continue;
+    pressed.emplace_back((mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3, p * mesh.areas[at(t)]);
+    box.extend(pressed.back().first);
+    all += pressed.back().second;
+  }
+  if (pressed.empty()) return 0.0;
+  std::vector<std::array<Vector3d, 2>> edges;  // those that contact may reach
+  for (const auto& edge : free_edges(layer)) {
+    const double half = 0.5 * (edge[1] - edge[0]).norm();
+    if (box.exteriorDistance(Vector3d(0.5 * (edge[0] + edge[1]))) <= half + near_by) edges.push_back(edge);
+  }
+  for (const auto& [centroid, force] : pressed)
+    for (const auto& edge : edges)
+      if (distance_to_segment(centroid, edge[0], edge[1]) <= near_by) {
+        beside += force;
+        break;
+      }
+  return beside / all;
+}
+
+/// Largest pressure of both surfaces where they end in one plane.
+double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactFields& fields) {
+  double most = 0.0;
+  for (int side = 0; side < 2; ++side) {
+    const SurfaceMesh& mesh = pair.layers[side].articular;
+    const std::vector<double>& pressure = fields.sides[side].vertex_pressure;
+    if (pressure.size() != mesh.vertices.size()) continue;
+    for (std::size_t v = 0; v < pressure.size(); ++v)
+      if (std::abs(mesh.vertices[v][end.plane.axis] - end.plane.at) <= end.tolerance)
+        most = std::max(most, pressure[v]);
+  }
+  return most;
+}
+
+}  // namespace
+
+/// Contact that runs over a free edge: half of a condyle over a plateau's rim had 25 % too little force.
+Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  constexpr double kSome = 0.1;
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+    for (int side = 0; side < 2; ++side) {
+      const ContactPair& pair = joint.contacts[c];
+      const Layer& layer = pair.layers[side];
+      const std::vector<double>& pressure = state->fields[c].sides[side].pressure;
+      if (layer.rigid || pressure.empty()) continue;
+      const double share = share_at_edges(layer, pressure);
+      if (!(share > kSome)) continue;
+      Subject subject = at_state(pair, *state);
+      subject.surface = model.surfaces[at(layer.surface)].name;
+      found.push_back({"force-at-edge", subject, {{"percent", 100 * share}, {"thickness", layer.mean_thickness()}}});
+    }
+  return found;
+}
+
+/// Selections that end under pressure though the cartilage goes on.
+Findings pressed_selection(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = joint.contacts[c].layers[side];
+      const double length =
+          pressed_end_of_selection(layer, state->fields[c].sides[side].pressure, kFelt * state->statistics[c].peak);
+      if (!(length > 2 * layer.facet_size() * layer.mean_thickness())) continue;
+      Subject subject = at_state(joint.contacts[c], *state);
+      subject.surface = model.surfaces[at(layer.surface)].name;
+      found.push_back({"selection-ends-under-pressure", subject, {{"length", length}}});
+    }
+  return found;
+}
+
+/// Bare surfaces that end under pressure though the cartilage goes on.
+Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+    for (int side = 0; side < 2; ++side) {
+      const ContactPair& pair = joint.contacts[c];
+      const Layer &layer = pair.layers[side], &partner = pair.layers[1 - side];
+      if (!layer.rigid || layer.bare_rim.empty()) continue;
+      const PressedRim& rim = state->statistics[c].pressed_rim[side];
+      const double length = rim.selection + rim.mesh, facet = partner.facet_size() * partner.mean_thickness();
+      if (!(length > 0) || !(length > facet)) continue;
+      Subject subject = at_state(pair, *state);
+      subject.surface = model.surfaces[at(layer.surface)].name;
+      found.push_back({"bare-surface-ends-under-pressure",
+                       subject,
+                       {{"length", length},
+                        {"percent", 100 * length / rim.whole},
+                        {"mesh", rim.mesh},
+                        {"selection", rim.selection}},
+                       rim.mesh == 0        ? 0
+                       : rim.selection == 0 ? 1
+                                            : 2});
+    }
+  return found;
+}
+
+/// Half a joint whose cut is not held: both surfaces end in one plane under pressure, and not in another one opposite,
+/// as two plates of one size do.
+Findings cut_face(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    std::vector<std::pair<SharedEnd, double>> pressed;
+    for (const SharedEnd& end : shared_ends(pair)) {
+      const double most = pressure_at(end, pair, state->fields[c]);
+      if (most > kFelt * state->statistics[c].peak) pressed.push_back({end, most});
+    }
+    for (const auto& [end, most] : pressed) {
+      const int axis = end.plane.axis;
+      const auto ends = std::count_if(pressed.begin(), pressed.end(),
+                                      [axis](const auto& other) { return other.first.plane.axis == axis; });
+      if (end.symmetry || ends > 1) continue;
+      found.push_back(
+          {"cut-under-pressure",
+           at_state(pair, *state),
+           {{"plane", in_words(std::vector<SymmetryPlane>{end.plane})}, {"pressure", most}, {"axis", "xyz"[axis]}}});
+    }
+  }
+  return found;
+}
+
+/// Layers whose greatest shear is where the law of the inside knows least.
+Findings shear_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+    for (const int side : {0, 1}) {
+      const ContactPair& pair = joint.contacts[c];
+      const std::optional<InsideEnds>& inside = state->statistics[c].inside[side];
+      if (!inside || !inside->peak_near_free_edge) continue;
+      const Layer& layer = side == 0 ? pair.source_layer() : pair.target_layer();
+      Subject subject = at_state(pair, *state);
+      subject.surface = model.surfaces[at(layer.surface)].name;
+      subject.body = joint.bodies[at(layer.body)].name;
+      found.push_back({"shear-at-edge", subject, {{"near", kNearEdge}}});
+    }
+  return found;
+}
+
+/// Contacts side by side of which one presses at the line they share and the other does not, in any state.
+Findings uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  Findings found;
+  const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
+  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+    const UnevenNeighbour* worst = nullptr;
+    const StateResult* when = nullptr;
+    for (const StateResult& state : result.states) {
+      const std::optional<UnevenNeighbour>& uneven = state.statistics[c].uneven;
+      if (!uneven || !solved(state.equilibrium.outcome) || (worst != nullptr && size(*uneven) <= size(*worst)))
+        continue;
+      worst = &*uneven;
+      when = &state;
+    }
+    if (worst == nullptr) continue;
+    Subject subject = at_state(joint.contacts[c], *when);
+    subject.surface = model.surfaces[at(worst->surface)].name;
+    found.push_back(
+        {"uneven-neighbours",
+         subject,
+         {{"own", worst->own}, {"other", joint.contacts[at(worst->other)].name}, {"beyond", worst->beyond}}});
+  }
+  return found;
+}
+
+}  // namespace dea

@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/rules/look.h"
+
+namespace dea {
+
+namespace {
+
+/// How far force and peak were off on a sphere, by how many facets contact is wide (docs/layer_law.md, 4, Long facets).
+struct CoarseError {
+  double across;    ///< facets, at most
+  int force, peak;  ///< per cent
+};
+constexpr CoarseError kCoarseErrors[] = {{1.5, 40, 80}, {2.0, 40, 70}, {2.5, 25, 55}, {4.0, 10, 30}};
+constexpr double kFineFacets = 0.3;  // thicknesses
+constexpr double kCoarse = 1.05;     // thicknesses
+constexpr int kMostTimes = 16;       // more is no mesh to be mended by dividing it
+
+/// The facets of a layer in thicknesses, as they are divided. 0: bare.
+double facet_size(const ContactPair& pair, const Layer& layer) { return layer.facet_size() / pair.refine; }
+
+/// "type --refine 3 (9 times the springs)": facets of half a thickness. Empty: no division mends that.
+Sentence finer_springs(const ContactPair& pair, double size) {
+  const double times = std::ceil(size / 0.5);
+  if (!(times <= kMostTimes)) return {};
+  const int n = std::max(2, static_cast<int>(times));
+  return say("type {} ({} times the springs)", NamedSetting{"refine", "", std::to_string(pair.refine * n)}, n * n);
+}
+
+NamedSetting twice_as_fine(const ContactPair& pair) { return {"refine", "", std::to_string(2 * pair.refine)}; }
+
+}  // namespace
+
+/// Law layer follows what flows within the size of the facets: facets of half the thickness or less are within 2 %
+/// where contact is 8 of them wide, facets as long as the cartilage is thick 7 % and 17 % off in force and peak where
+/// it is 4 wide. How wide it is the result tells (narrow_contact).
+Findings long_facets(const JointModel& model, const Joint& joint) {
+  Findings found;
+  for (const ContactPair& pair : joint.contacts) {
+    if (pair.law != Law::Layer) continue;
+    double worst = 0.0;
+    std::string sizes;
+    for (const Layer& layer : pair.layers) {
+      const double size = facet_size(pair, layer);
+      if (!(size > kFineFacets)) continue;
+      worst = std::max(worst, size);
+      sizes +=
+          fmt::format("{}{:.2g} on \"{}\"", sizes.empty() ? "" : ", ", size, model.surfaces[at(layer.surface)].name);
+    }
+    if (worst == 0) continue;
+    const Sentence finer = finer_springs(pair, worst);
+    found.push_back({worst <= kCoarse ? "facet-size" : "long-facets",
+                     {.contact = pair.name},
+                     {{"size", worst}, {"sizes", sizes}, {"refine", twice_as_fine(pair)}, {"finer", finer}},
+                     worst > kCoarse && finer.empty() ? 1 : 0});
+  }
+  return found;
+}
+
+Findings few_springs(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    const int active = state->statistics[c].springs_active;
+    if (active < 20 && state->fields[c].sides[1 - pair.source].contact_area > 0)
+      found.push_back({"few-springs",
+                       at_state(pair, *state),
+                       {{"springs", active}, {"refine", NamedSetting{"refine"}}, {"source", NamedSetting{"source"}}}});
+    else if (active < 60 && active > 0 && pair.law == Law::Layer)
+      found.push_back(
+          {"few-springs", at_state(pair, *state), {{"springs", active}, {"refine", twice_as_fine(pair)}}, 1});
+  }
+  return found;
+}
+
+/// A force that rests on a handful of springs though more are pressed: the map is one of the mesh.
+Findings crowded_force(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  constexpr int kHandful = 8;
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
+    const ContactStatistics& s = state->statistics[c];
+    if (s.springs_active < 20 || s.springs_most >= kHandful) continue;  // fewer: few_springs
+    found.push_back(
+        {"crowded-force",
+         at_state(joint.contacts[c], *state),
+         {{"most", s.springs_most}, {"springs", s.springs_active}, {"refine", twice_as_fine(joint.contacts[c])}}});
+  }
+  return found;
+}
+
+/// A map whose facets are too long to show what presses them: averages at its nodes spread the pressure over
+/// neighbouring facets, which the springs see apart.
+Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    const ContactStatistics& s = state->statistics[c];
+    if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) continue;
+    Subject subject = at_state(pair, *state);
+    subject.surface = model.surfaces[at(pair.source_layer().surface)].name;
+    found.push_back({"smeared-map",
+                     subject,
+                     {{"area", s.headline.area},
+                      {"mean", s.headline.mean},
+                      {"p99", s.headline.p99},
+                      {"springs_area", s.contact_area},
+                      {"springs_mean", s.mean},
+                      {"springs_p99", s.p99}}});
+  }
+  return found;
+}
+
+/// Contact of a few facets that are long against the cartilage: what flows between springs is not followed.
+Findings narrow_contact(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    if (pair.law != Law::Layer) continue;
+    double least = kInfinity;
+    const Layer* narrow = nullptr;
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = pair.layers[side];
+      if (!(facet_size(pair, layer) > kFineFacets)) continue;
+      const std::vector<double>& pressure = state->fields[c].sides[side].pressure;
+      if (pressure.empty()) continue;
+      const double across = pair.refine * facets_across(layer, pressure, state->statistics[c].headline.above);
+      if (!(across > 0) || !(across < least)) continue;
+      least = across;
+      narrow = &layer;
+    }
+    const auto* off = std::find_if(std::begin(kCoarseErrors), std::end(kCoarseErrors),
+                                   [&](const CoarseError& e) { return least <= e.across; });
+    if (off == std::end(kCoarseErrors)) continue;
+    Subject subject = at_state(pair, *state);
+    subject.surface = model.surfaces[at(narrow->surface)].name;
+    const Sentence finer = finer_springs(pair, facet_size(pair, *narrow));
+    found.push_back({"narrow-contact",
+                     subject,
+                     {{"across", least},
+                      {"size", facet_size(pair, *narrow)},
+                      {"force_percent", off->force},
+                      {"peak_percent", off->peak},
+                      {"finer", finer.empty() ? Sentence("mesh it finer") : finer}},
+                     off == std::begin(kCoarseErrors) ? 1 : 0});
+  }
+  return found;
+}
+
+/// Maps that do not carry the whole force.
+Findings incomplete_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  const StateResult* state = judged_state(joint, result);
+  Findings found;
+  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+    for (int side = 0; side < 2; ++side) {
+      const double factor = state->fields[c].sides[side].resultant_factor;
+      if (!(std::abs(factor - 1.0) > 0.02)) continue;
+      Subject subject = at_state(joint.contacts[c], *state);
+      subject.surface = model.surfaces[at(joint.contacts[c].layers[side].surface)].name;
+      found.push_back({"incomplete-map", subject, {{"percent", 100.0 * factor}}});
+    }
+  return found;
+}
+
+}  // namespace dea

@@ -1,0 +1,77 @@
+#include <algorithm>
+
+#include "src/base/numbers.h"
+#include "src/rules/look.h"
+
+namespace dea {
+
+namespace {
+
+/// The solved state with the largest strain of a contact; nullptr: none is solved.
+const StateResult* most_strained(const SolvedStates& result, std::size_t contact) {
+  const StateResult* worst = nullptr;
+  const auto strain = [&](const StateResult& s) { return s.statistics[contact].largest_strain; };
+  for (const StateResult& state : result.states)
+    if (solved(state.equilibrium.outcome) && (worst == nullptr || strain(state) > strain(*worst))) worst = &state;
+  return worst;
+}
+
+}  // namespace
+
+/// Cartilage with fluid in it, solved with the constants of its drained solid.
+Findings drained_cartilage(const JointModel& model, const Joint& joint) {
+  Findings found;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers) {
+      if (layer.rigid || layer.material < 0) continue;
+      const Material& material = model.materials[at(layer.material)];
+      const std::string outer = material.type.substr(0, material.type.find('/'));
+      const bool fluid =
+          outer == "biphasic" || outer == "biphasic-solute" || outer == "triphasic" || outer == "multiphasic";
+      // what the user gives for the layer is not the drained solid's
+      if (!fluid || layer.elasticity.E != material.E || layer.elasticity.nu != material.nu) continue;
+      const std::string& surface = model.surfaces[at(layer.surface)].name;
+      found.push_back({"drained-cartilage",
+                       {.surface = surface},
+                       {{"material", material.name},
+                        {"type", outer},
+                        {"E", material.E},
+                        {"nu", material.nu},
+                        {"give_E", NamedSetting{"E", surface, "MODULUS"}},
+                        {"give_nu", NamedSetting{"nu", surface, "0.49"}}}});
+    }
+  return found;
+}
+
+/// Cartilage pressed together by more than half, in any state.
+Findings large_strains(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  constexpr double kLarge = 0.5;
+  Findings found;
+  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+    const StateResult* worst = most_strained(result, c);
+    if (worst == nullptr || !(worst->statistics[c].largest_strain > kLarge)) continue;
+    found.push_back({"large-strain",
+                     {.contact = joint.contacts[c].name, .time = worst->when.time},
+                     {{"percent", 100 * worst->statistics[c].largest_strain}}});
+  }
+  return found;
+}
+
+/// A material that FEBio softens where cartilage stiffens: beyond small strains dea's laws are another material.
+Findings softening_material(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  constexpr double kSmall = 0.03;
+  Findings found;
+  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+    const StateResult* worst = most_strained(result, c);
+    if (worst == nullptr || !(worst->statistics[c].largest_strain > kSmall)) continue;
+    for (const Layer& layer : joint.contacts[c].layers)
+      if (!layer.rigid && layer.material >= 0 && model.materials[at(layer.material)].type == "isotropic elastic")
+        found.push_back({"softening-material",
+                         {.contact = joint.contacts[c].name, .time = worst->when.time},
+                         {{"percent", 100 * worst->statistics[c].largest_strain},
+                          {"material", model.materials[at(layer.material)].name}}});
+  }
+  return found;
+}
+
+}  // namespace dea
