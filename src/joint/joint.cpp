@@ -254,10 +254,11 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   }
   joint.contacts = std::move(contacts.contacts);
 
-  joint.unmodelled = find_unmodelled_parts(parts, joint.contacts);
-  joint.dropped_ties = find_dropped_ties(parts);
-  joint.doubts = closing_ties(model, parts.holders);
   joint.node_body = find_carriers(parts, joint.contacts);
+  joint.conditions = find_conditions(model, parts.bodies, joint.node_body);
+  joint.unmodelled = find_unmodelled_parts(parts, joint.conditions, joint.contacts);
+  joint.dropped_ties = find_dropped_ties(parts, joint.conditions);
+  joint.doubts = closing_ties(model, parts.holders);
   Connections connections = find_connections(parts, joint.node_body);
   if (connections.fault) found.faults = {*connections.fault};
   append(joint.findings, connections.findings);

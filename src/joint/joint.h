@@ -5,6 +5,7 @@
 
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
+#include "src/facts/conditions.h"
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"
@@ -22,6 +23,7 @@ struct Joint {
   std::vector<Connector> connectors;
   std::vector<PointLoad> point_loads;  ///< nodal forces
   std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
+  Conditions conditions;               ///< of the model, without what the settings say of them
   std::vector<UnmodelledPart> unmodelled;
   std::vector<DroppedTie> dropped_ties;
   std::vector<SymmetryPlane> symmetry_planes;
