@@ -11,7 +11,6 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/equilibrium/load_case.h"
 #include "src/facts/bodies.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/run/analysis.h"
@@ -143,12 +142,19 @@ void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>&
 
 /// Bones taken as rigid that fixed nodes hold: the nodes become rigid, so the body is held instead.
 void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector<int>& rigid_material) {
-  const LoadCase start = make_load_case(model, plan.joint, {}, 0, 0.0);
   for (std::size_t b = 0; b < plan.joint.bodies.size(); ++b) {
     const Body& body = plan.joint.bodies[b];
-    const bool by_user =
-        std::any_of(body.materials.begin(), body.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
-    if (!by_user || rigid_material[b] < 0) continue;
+    if (!taken_as_rigid(model, body) || rigid_material[b] < 0) continue;
+    const BodyHolds& holds = plan.joint.conditions.steps.front()[b];
+    if (!holds.coupled.empty()) {
+      const FixedNodes& f = model.fixed_nodes[at(holds.first_coupled)];
+      throw fault_at(
+          model, f.origin,
+          fmt::format("fixed nodes \"{}\" leave bone \"{}\", which becomes a rigid body, a hinge, a pin or a "
+                      "guided end, and FEBio ignores fixed nodes of rigid bodies: make it a rigid body of the "
+                      "model with a joint there (`dea run` solves the model as it is)",
+                      f.name, body.name));
+    }
     for (const FixedNodes& f : model.fixed_nodes)
       if (f.step >= 0 && std::any_of(f.nodes.begin(), f.nodes.end(),
                                      [&](int node) { return plan.joint.node_body[at(node)] == static_cast<int>(b); }))
@@ -158,10 +164,8 @@ void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector
                                    f.name, body.name));
     RigidFixed held;
     held.material = rigid_material[b];
-    for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = start.bodies[b].dofs[k] == DofState::Held;
-    for (const RigidFixed& f : model.rigid_fixed)
-      if (f.step < 0 && std::find(body.materials.begin(), body.materials.end(), f.material) != body.materials.end())
-        for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = held.dofs[k] && !f.dofs[k];
+    for (std::size_t k = 0; k < kDofs; ++k)
+      held.dofs[k] = holds.dofs[k].state == DofState::Held && holds.dofs[k].by == HeldBy::Nodes;
     std::string dofs;
     for (std::size_t k = 0; k < kDofs; ++k)
       if (held.dofs[k]) dofs += fmt::format("{}{}", dofs.empty() ? "" : ", ", kDofNames[k]);

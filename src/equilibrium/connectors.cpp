@@ -52,6 +52,8 @@ Vector12 moment_wrench(const Vector3d& moment) {
   return w;
 }
 
+bool of_connector(const Joint& joint, const ConnectorRow& row) { return at(row.link) < joint.connectors.size(); }
+
 /// How the rotations of a connector are held (J2).
 enum class Turning {
   Full,  ///< all three given: the rotation vector of what is left to turn
@@ -98,6 +100,26 @@ Vector6 connector_motion(const Joint& joint, const Connector& c, const std::vect
   return motion;
 }
 
+namespace {
+
+/// Of the points that stay where they are. Link: the body's.
+void add_held_points(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& poses,
+                     std::vector<ConnectorRow>& rows) {
+  for (std::size_t b = 0; b < load_case.bodies.size(); ++b)
+    for (const HeldPoint& p : load_case.bodies[b].held_points) {
+      ConnectorRow row;
+      row.link = static_cast<int>(joint.connectors.size() + b);
+      row.dof = p.component;
+      row.arm = poses[b].rotation * p.arm;
+      row.gap = poses[b].center[p.component] + row.arm[p.component] - p.place;
+      const Vector3d axis = Vector3d::Unit(p.component);
+      row.wrench << Vector6::Zero(), axis, row.arm.cross(axis);
+      rows.push_back(row);
+    }
+}
+
+}  // namespace
+
 std::vector<ConnectorRow> connector_rows(const Joint& joint, const LoadCase& load_case,
                                          const std::vector<Pose>& poses) {
   std::vector<ConnectorRow> rows;
@@ -110,21 +132,23 @@ std::vector<ConnectorRow> connector_rows(const Joint& joint, const LoadCase& loa
     for (int k = 0; k < 3; ++k) {
       if (c.motion[at(k)] == Motion::Free) continue;
       const Vector3d axis = f.a.col(k);
-      rows.push_back({static_cast<int>(n), k, axis.dot(f.d) - wanted(k), force_wrench(f, axis)});
+      rows.push_back({static_cast<int>(n), k, axis.dot(f.d) - wanted(k), force_wrench(f, axis), Vector3d::Zero()});
     }
     if (turning(c) == Turning::Full) {
       const Matrix3d target = rotation({wanted(3), wanted(4), wanted(5)});
       const Vector3d left = rotation_vector(f.a.transpose() * f.b * target.transpose());
-      for (int k = 0; k < 3; ++k) rows.push_back({static_cast<int>(n), 3 + k, left[k], moment_wrench(f.a.col(k))});
+      for (int k = 0; k < 3; ++k)
+        rows.push_back({static_cast<int>(n), 3 + k, left[k], moment_wrench(f.a.col(k)), Vector3d::Zero()});
       continue;
     }
     for (int k = 0; k < 3; ++k) {
       if (c.motion[at(3 + k)] == Motion::Free) continue;
       const AxisPair p = axis_pair(c, k);
       const double gap = p.sign * f.a.col(p.i).dot(f.b.col(p.j)) - std::sin(wanted(3 + k));
-      rows.push_back({static_cast<int>(n), 3 + k, gap, moment_wrench(axis_moment(f, p))});
+      rows.push_back({static_cast<int>(n), 3 + k, gap, moment_wrench(axis_moment(f, p)), Vector3d::Zero()});
     }
   }
+  add_held_points(joint, load_case, poses, rows);
   return rows;
 }
 
@@ -180,8 +204,8 @@ void add_along(const Connector& c, const Frame& f, int k, double size, BodyForce
 
 void add_reactions(const Joint& joint, const std::vector<ConnectorRow>& rows, const VectorXd& multipliers,
                    const std::vector<Pose>& poses, BodyForces& forces) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Connector& c = joint.connectors[at(rows[i].connector)];
+  for (std::size_t i = 0; i < rows.size() && of_connector(joint, rows[i]); ++i) {
+    const Connector& c = joint.connectors[at(rows[i].link)];
     const double size = multipliers[static_cast<Eigen::Index>(i)];
     if (size == 0.0) continue;
     const Frame f = frame_of(joint, c, poses);
@@ -194,6 +218,19 @@ void add_reactions(const Joint& joint, const std::vector<ConnectorRow>& rows, co
     // m = s b x a;  dm = s ((w_B x b) x a + b x (w_A x a))
     const double s = p.sign * size;
     add_moment(c, size * axis_moment(f, p), -s * skew(b) * skew(a), s * skew(a) * skew(b), forces);
+  }
+}
+
+void add_hold_reactions(const Joint& joint, const std::vector<ConnectorRow>& rows, const VectorXd& multipliers,
+                        BodyForces& forces) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (of_connector(joint, rows[i])) continue;
+    const int body = rows[i].link - static_cast<int>(joint.connectors.size());
+    const Vector6 wrench = multipliers[static_cast<Eigen::Index>(i)] * rows[i].wrench.tail<6>();
+    forces.value.segment<6>(6 * body) += wrench;
+    Matrix6 D = Matrix6::Zero();  // d(arm x f) = (w x arm) x f
+    D.block<3, 3>(3, 3) = skew(wrench.head<3>()) * skew(rows[i].arm);
+    forces.derivative.add(body, D);
   }
 }
 
@@ -231,11 +268,11 @@ std::vector<Vector6> connector_forces(const Joint& joint, const LoadCase& load_c
         result[n].segment<3>(k < 3 ? 0 : 3) -= load_case.connector_value[n][at(k)] * f.a.col(k % 3);
     if (!can_move(c.body_a) && !can_move(c.body_b)) result[n].setConstant(kNaN);
   }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Connector& c = joint.connectors[at(rows[i].connector)];
+  for (std::size_t i = 0; i < rows.size() && of_connector(joint, rows[i]); ++i) {
+    const Connector& c = joint.connectors[at(rows[i].link)];
     const Frame f = frame_of(joint, c, poses);
     const double size = multipliers[static_cast<Eigen::Index>(i)];
-    Vector6& r = result[at(rows[i].connector)];
+    Vector6& r = result[at(rows[i].link)];
     r.head<3>() += size * rows[i].wrench.segment<3>(6);
     r.tail<3>() += size * (rows[i].wrench.segment<3>(9) - f.arm_b.cross(Vector3d(rows[i].wrench.segment<3>(6))));
   }
@@ -254,9 +291,9 @@ GroupRows rows_of(const ConnectorGroups& all, const ConnectorGroups::Group& grou
                   const std::vector<ConnectorRow>& rows) {
   GroupRows result;
   std::vector<char> member(all.group_of.size(), 0);
-  for (int c : group.connectors) member[at(c)] = 1;
+  for (int link : group.links) member[at(link)] = 1;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (member[at(rows[i].connector)]) result.rows.push_back(static_cast<int>(i));
+    if (member[at(rows[i].link)]) result.rows.push_back(static_cast<int>(i));
   result.transposed.setZero(static_cast<Eigen::Index>(group.free.size()),
                             static_cast<Eigen::Index>(result.rows.size()));
   // dofs of a body lie together in `free`: find where each body's begin
@@ -267,7 +304,7 @@ GroupRows rows_of(const ConnectorGroups& all, const ConnectorGroups::Group& grou
     const ConnectorRow& row = rows[at(result.rows[i])];
     const double unit = row.dof < 3 ? 1.0 : all.length;  // angles times length, so that all gaps compare
     for (int side = 0; side < 2; ++side) {
-      const auto found = places.find(side == 0 ? all.sides_a[at(row.connector)] : all.sides_b[at(row.connector)]);
+      const auto found = places.find(side == 0 ? all.sides_a[at(row.link)] : all.sides_b[at(row.link)]);
       if (found == places.end()) continue;
       for (Eigen::Index j : found->second) {
         const int position = group.free[static_cast<std::size_t>(j)];
@@ -294,11 +331,16 @@ ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const
   result.scale.resize(static_cast<Eigen::Index>(free.size()));
   for (std::size_t i = 0; i < free.size(); ++i)
     result.scale[static_cast<Eigen::Index>(i)] = free[i] % 6 < 3 ? 1.0 : length;
-  result.group_of.assign(joint.connectors.size(), -1);
+  std::vector<char> active = load_case.connector_active;
   for (const Connector& c : joint.connectors) {
     result.sides_a.push_back(c.body_a);
     result.sides_b.push_back(c.body_b);
   }
+  for (std::size_t b = 0; b < load_case.bodies.size(); ++b) {
+    active.push_back(!load_case.bodies[b].held_points.empty());
+    for (std::vector<int>* side : {&result.sides_a, &result.sides_b}) side->push_back(static_cast<int>(b));
+  }
+  result.group_of.assign(active.size(), -1);
   std::vector<int> root(joint.bodies.size());
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int b) {
@@ -307,20 +349,18 @@ ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const
   };
   std::vector<char> movable(joint.bodies.size(), 0);
   for (int dof : free) movable[at(dof / 6)] = 1;
-  for (std::size_t n = 0; n < joint.connectors.size(); ++n) {
-    const Connector& c = joint.connectors[n];
-    if (load_case.connector_active[n] && movable[at(c.body_a)] && movable[at(c.body_b)])
-      root[at(find(c.body_a))] = find(c.body_b);
+  for (std::size_t n = 0; n < active.size(); ++n) {
+    const int a = result.sides_a[n], b = result.sides_b[n];
+    if (active[n] && movable[at(a)] && movable[at(b)]) root[at(find(a))] = find(b);
   }
   std::map<int, int> number;  // root body -> group
-  for (std::size_t n = 0; n < joint.connectors.size(); ++n) {
-    const Connector& c = joint.connectors[n];
-    if (!load_case.connector_active[n]) continue;
-    const int body = movable[at(c.body_a)] ? c.body_a : c.body_b;
+  for (std::size_t n = 0; n < active.size(); ++n) {
+    if (!active[n]) continue;
+    const int body = movable[at(result.sides_a[n])] ? result.sides_a[n] : result.sides_b[n];
     if (!movable[at(body)]) continue;
     const auto [place, is_new] = number.try_emplace(find(body), static_cast<int>(result.groups.size()));
     if (is_new) result.groups.emplace_back();
-    result.groups[at(place->second)].connectors.push_back(static_cast<int>(n));
+    result.groups[at(place->second)].links.push_back(static_cast<int>(n));
     result.group_of[n] = place->second;
   }
   for (std::size_t i = 0; i < free.size(); ++i) {

@@ -1,4 +1,7 @@
-// src/equilibrium/connectors.h – joints that hold bodies together exactly (docs/theory.md, section 4: J1-J4).
+// src/equilibrium/connectors.h – joints that hold bodies together exactly, and points of bodies that stay at their
+// place (docs/theory.md, section 4: J1-J4).
+//
+// Both are links: those of the connectors come first, in their order, then one for the held points of each body.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -12,20 +15,26 @@ namespace dea {
 /// rotation vector of B's axes in A's, [rad] (J1).
 Vector6 connector_motion(const Joint& joint, const Connector& connector, const std::vector<Pose>& poses);
 
-/// One condition that a connector puts on its bodies: `gap` = 0 (J2).
+/// One condition that a link puts on its bodies: `gap` = 0 (J2).
 struct ConnectorRow {
-  int connector = -1;
-  int dof = 0;                          ///< which of the six motions; an angle if >= 3
+  int link = -1;
+  int dof = 0;                          ///< which of the six motions; an angle if >= 3. Of a held point: along x, y, z
   double gap = 0.0;                     ///< length, or angle [rad] to first order
   Eigen::Matrix<double, 12, 1> wrench;  ///< of a unit multiplier on A and B, = the gap's derivative where it is 0 (J3)
+  Vector3d arm = Vector3d::Zero();      ///< of a held point, from the body's centre
 };
 
-/// The conditions of all active connectors at these poses, connector by connector.
+/// The conditions of all active links at these poses, link by link.
 std::vector<ConnectorRow> connector_rows(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& poses);
 
-/// Adds the wrenches of the rows times their multipliers; the derivative is that at constant multipliers (J4).
+/// Adds the wrenches of the connectors' rows times their multipliers; the derivative is that at constant multipliers
+/// (J4).
 void add_reactions(const Joint& joint, const std::vector<ConnectorRow>& rows, const Eigen::VectorXd& multipliers,
                    const std::vector<Pose>& poses, BodyForces& forces);
+
+/// The same of held points: what holds the bodies from outside.
+void add_hold_reactions(const Joint& joint, const std::vector<ConnectorRow>& rows, const Eigen::VectorXd& multipliers,
+                        BodyForces& forces);
 
 /// Adds the forces and moments given along a connector's free motions: `value` on A, its opposite on B.
 /// Returns the largest of them, moments divided by `length`.
@@ -38,11 +47,11 @@ std::vector<Vector6> connector_forces(const Joint& joint, const LoadCase& load_c
                                       const std::vector<ConnectorRow>& rows, const Eigen::VectorXd& multipliers,
                                       const std::vector<Pose>& poses);
 
-/// Dofs the connectors act on, in groups that share no body that can move. Unknowns: the free dofs, rotations times
+/// Dofs the links act on, in groups that share no body that can move. Unknowns: the free dofs, rotations times
 /// `length`.
 struct ConnectorGroups {
   struct Group {
-    std::vector<int> connectors;
+    std::vector<int> links;
     std::vector<int> free;  ///< positions in `free` of make_groups
     int rank = -1;          ///< independent conditions; -1: not known yet
   };
@@ -51,8 +60,8 @@ struct ConnectorGroups {
   Eigen::VectorXd scale;              ///< per free dof: 1, or length for rotations
   double length = 1.0;                ///< rotations' scale
   double size = 1.0;                  ///< of the joint: gaps below 1e-11 of it are none
-  std::vector<int> group_of;          ///< per connector: group, -1: none (not active, or neither body can move)
-  std::vector<int> sides_a, sides_b;  ///< per connector: its bodies
+  std::vector<int> group_of;          ///< per link: group, -1: none (not active, or neither body can move)
+  std::vector<int> sides_a, sides_b;  ///< per link: its bodies; of held points: twice the same
 };
 ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const std::vector<int>& free, double length,
                             double size, const std::vector<Pose>& poses);

@@ -94,7 +94,10 @@ void find_unknowns(Problem& problem) {
 /// Poses at which all connectors hold, as near as can be. What stands against it; empty: nothing.
 std::string close_all_connectors(Problem& problem, const std::vector<Pose>& start, std::vector<Pose>& poses) {
   const Joint& joint = problem.joint;
-  if (joint.connectors.empty() || problem.load_case.connector_active.size() != joint.connectors.size()) return "";
+  const std::vector<BodyConditions>& bodies = problem.load_case.bodies;
+  const bool held = std::any_of(bodies.begin(), bodies.end(), [](const auto& b) { return !b.held_points.empty(); });
+  if ((joint.connectors.empty() && !held) || problem.load_case.connector_active.size() != joint.connectors.size())
+    return "";
   const double size = problem.beds.length + problem.beds.reach;
   problem.connectors = make_groups(joint, problem.load_case, problem.free, problem.beds.length, size, start);
   ConnectorRow worst;
@@ -103,10 +106,15 @@ std::string close_all_connectors(Problem& problem, const std::vector<Pose>& star
     poses = std::move(closed);
     return "";
   }
+  if (at(worst.link) >= joint.connectors.size())
+    return fmt::format(
+        "fixed nodes of body \"{}\" cannot stay at their place together with the joints and with what is fixed or "
+        "prescribed: a gap of {:.3g} is left along {}; free a motion or take a joint out",
+        joint.bodies[at(worst.link) - joint.connectors.size()].name, std::abs(worst.gap), "xyz"[worst.dof]);
   return fmt::format(
       "joint \"{}\" cannot be held together with the other joints and with what is fixed or prescribed: a gap of "
       "{:.3g}{} is left {} its axis {}; free a motion or take a joint out",
-      joint.connectors[at(worst.connector)].name, std::abs(worst.gap), worst.dof < 3 ? "" : " rad",
+      joint.connectors[at(worst.link)].name, std::abs(worst.gap), worst.dof < 3 ? "" : " rad",
       worst.dof < 3 ? "along" : "about", worst.dof % 3 + 1);
 }
 

@@ -138,6 +138,10 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
     add_reactions(joint, e.rows, e.tangent.multipliers, e.poses, held);
     e.reactions = held.value;
     add_derivative(held);
+    BodyForces holds(joint.bodies.size());
+    add_hold_reactions(joint, e.rows, e.tangent.multipliers, holds);
+    e.external += holds.value;
+    add_derivative(holds);
   }
   return e;
 }

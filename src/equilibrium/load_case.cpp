@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
-#include "src/base/decompositions.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/rotations.h"
@@ -45,182 +43,6 @@ Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Or
   return v * finite_value(now, {1.0, controller}, origin);
 }
 
-// ---- bones held and moved by their nodes -------------------------------------------------------------------------
-
-/// What fixed and prescribed nodes ask of a bone.
-struct NodeRows {
-  struct Row {
-    int component;
-    Vector3d arm;  // of the node, from the centre of mass
-    double value;
-  };
-  std::vector<Row> rows;
-  double length = 0.0;  // of the longest arm
-  bool back = false;  // fixed later than moved or free: FEBio puts such nodes back to where they were in the reference
-  const PrescribedNodes* mover = nullptr;      // the last that moves the bone; nullptr: none
-  bool agree = true;                           // conditions on one component are all relative, or none is
-  std::array<int, 3> relative = {-1, -1, -1};  // -1: nothing moves this component
-
-  /// A row (e_k, d x e_k / length) of conditions on the bone's motion, d the node's arm; rotations times length.
-  Vector6 condition(const Row& r) const {
-    Vector6 row;
-    row << Vector3d::Unit(r.component), r.arm.cross(Vector3d::Unit(r.component)) / (length > 0 ? length : 1.0);
-    return row;
-  }
-};
-
-NodeRows rows_of_nodes(const Instant& now, int body) {
-  NodeRows found;
-  const auto ours = [&](const std::vector<int>& nodes) {
-    return std::any_of(nodes.begin(), nodes.end(), [&](int node) { return now.joint.node_body[at(node)] == body; });
-  };
-  const auto add = [&](const std::vector<int>& nodes, int component, double value) {
-    bool any = false;
-    for (int node : nodes) {
-      if (now.joint.node_body[at(node)] != body) continue;
-      found.rows.push_back({component, now.model.nodes[at(node)] - now.joint.bodies[at(body)].center_of_mass, value});
-      found.length = std::max(found.length, found.rows.back().arm.norm());
-      any = true;
-    }
-    return any;
-  };
-  for (const FixedNodes& f : now.model.fixed_nodes)
-    for (int k = 0; k < 3; ++k)
-      if (now.acts(f.step) && f.xyz[at(k)]) add(f.nodes, k, 0.0);
-  found.back = std::any_of(now.model.fixed_nodes.begin(), now.model.fixed_nodes.end(),
-                           [&](const FixedNodes& f) { return f.step > 0 && ours(f.nodes); });
-  for (const PrescribedNodes& p : now.model.prescribed_nodes) {
-    if (!now.acts(p.step)) {
-      found.back = found.back || ours(p.nodes);
-      continue;
-    }
-    if (!add(p.nodes, p.component, finite_value(now, p.value, p.origin))) continue;
-    const int counts = p.relative && p.step >= 0;
-    found.agree = found.agree && (found.relative[at(p.component)] < 0 || found.relative[at(p.component)] == counts);
-    found.relative[at(p.component)] = counts;
-    found.mover = &p;
-  }
-  return found;
-}
-
-/// The motions that rows of conditions leave a bone, by the eigenvectors of their Gram matrix.
-struct BoneMotion {
-  Vector6 motion = Vector6::Zero();     // the smallest that satisfies the conditions; rotations times length
-  Vector6 free_part = Vector6::Zero();  // per dof: how much of its unit vector squared no condition sees
-  int conditions = 0;                   // independent ones
-  double largest = 0.0;                 // of the values
-};
-
-BoneMotion bone_motion(const NodeRows& nodes) {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  Matrix6 gram = Matrix6::Zero();
-  Vector6 right = Vector6::Zero();
-  BoneMotion bone;
-  for (const NodeRows::Row& r : nodes.rows) {
-    const Vector6 row = nodes.condition(r);
-    gram += row * row.transpose();
-    right += row * r.value;
-    bone.largest = std::max(bone.largest, std::abs(r.value));
-  }
-  const Eigenvalues eigen = symmetric_eigen(gram);
-  const double least = 1e-8 * eigen.values[5];  // rounding is 1e-16, the smallest real lever squared far more
-  for (int i = 0; i < 6; ++i) {
-    if (eigen.values[i] <= least) {
-      for (int dof = 0; dof < kDofs; ++dof) bone.free_part[dof] += std::pow(eigen.vectors(dof, i), 2);
-      continue;
-    }
-    ++bone.conditions;
-    bone.motion += eigen.vectors.col(i) * (eigen.vectors.col(i).dot(right) / eigen.values[i]);
-  }
-  return bone;
-}
-
-/// Does the user take some of the body as rigid? FEBio ignores fixed nodes of its own rigid bodies.
-bool taken_as_rigid(const Instant& now, int body) {
-  const std::vector<int>& materials = now.joint.bodies[at(body)].materials;
-  return std::any_of(materials.begin(), materials.end(), [&](int m) { return !now.model.materials[at(m)].rigid; });
-}
-
-/// What fixed and prescribed nodes make of a bone that the user takes as rigid: every dof whose unit vector is in the
-/// span of their conditions has no freedom left. Prescribed nodes must move the bone without turning it.
-void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
-  const Body& b = now.joint.bodies[at(body)];
-  if (!taken_as_rigid(now, body)) return;
-  const NodeRows nodes = rows_of_nodes(now, body);
-  const BoneMotion bone = bone_motion(nodes);
-  int dofs_held = 0;
-  for (int dof = 0; dof < kDofs; ++dof) {
-    if (bone.free_part[dof] >= 1e-6) continue;
-    ++dofs_held;
-    conditions.dofs[at(dof)] = DofState::Held;
-    if (dof < 3 && (nodes.mover != nullptr || nodes.back)) {
-      conditions.dofs[at(dof)] = DofState::Prescribed;
-      conditions.value[dof] = bone.motion[dof];
-      conditions.relative[at(dof)] = nodes.relative[at(dof)] == 1;
-    }
-  }
-  if (nodes.mover == nullptr) return;
-  const double close = 1e-6 * bone.largest;
-  bool agree = nodes.agree && bone.conditions == dofs_held && bone.motion.tail<3>().norm() <= close;
-  for (const NodeRows::Row& r : nodes.rows)
-    agree = agree && std::abs(nodes.condition(r).dot(bone.motion) - r.value) <= close;
-  if (!agree)
-    throw fault_at(
-        now.model, nodes.mover->origin,
-        fmt::format("prescribed displacement \"{}\": at time {} its nodes move bone \"{}\" otherwise than by one "
-                    "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
-                    "prescribe its motion",
-                    nodes.mover->name, time_text(now.time), b.name));
-}
-
-/// Per node: is it of elements that the user takes as rigid, and not of a rigid body of the model, whose fixed nodes
-/// FEBio passes over?
-std::vector<char> nodes_of_bone(const Instant& now, int body) {
-  std::vector<char> bone(now.model.nodes.size(), 0);
-  for (const Domain& d : now.model.domains) {
-    if (d.material < 0 || now.joint.body_of(d.material) != body || now.model.materials[at(d.material)].rigid) continue;
-    for (const int node : d.nodes) bone[at(node)] = 1;
-  }
-  for (const Domain& d : now.model.domains)
-    if (d.material >= 0 && now.model.materials[at(d.material)].rigid)
-      for (const int node : d.nodes) bone[at(node)] = 0;
-  for (const RigidNodes& set : now.model.rigid_nodes)
-    for (const int node : set.nodes) bone[at(node)] = 0;
-  return bone;
-}
-
-/// Refuses fixed nodes that leave a bone a hinge, a pin or a guided end: they couple dofs, of which DEA would free all.
-void refuse_coupled_holds(const Instant& now, int body, const BodyConditions& conditions) {
-  const Body& b = now.joint.bodies[at(body)];
-  const auto is_free = [](DofState dof) { return dof == DofState::Free; };
-  if (std::none_of(conditions.dofs.begin(), conditions.dofs.end(), is_free) || now.model.fixed_nodes.empty()) return;
-  const std::vector<char> bone = nodes_of_bone(now, body);
-  for (const FixedNodes& f : now.model.fixed_nodes) {
-    if (!now.acts(f.step)) continue;
-    for (const int node : f.nodes) {
-      if (!bone[at(node)]) continue;
-      const Vector3d arm = now.model.nodes[at(node)] - b.center_of_mass;
-      for (int k = 0; k < 3; ++k) {
-        if (!f.xyz[at(k)]) continue;
-        Vector6 row;
-        row << Vector3d::Unit(k), arm.cross(Vector3d::Unit(k));
-        for (int dof = 0; dof < kDofs; ++dof) {
-          const double least = 1e-3 * (dof < 3 ? 1.0 : arm.norm());  // as little as hold_by_nodes takes for held
-          if (!is_free(conditions.dofs[at(dof)]) || !(std::abs(row[dof]) > least)) continue;
-          throw fault_at(
-              now.model, f.origin,
-              say("fixed nodes \"{}\" leave bone \"{}\", which is taken as rigid, motions at time {} that are no "
-                  "translation along x, y or z and no rotation about them through its centre of mass (a hinge, a pin, "
-                  "a guided end), which DEA cannot follow;",
-                  f.name, b.name, time_text(now.time)),
-              say("make it a rigid body of the model with a joint there, or name with {} the dofs that it is free in",
-                  NamedSetting{"free", b.name, "DOFS"}));
-        }
-      }
-    }
-  }
-}
-
 // ---- motions -----------------------------------------------------------------------------------------------------
 
 /// Which contacts, ligaments, cables and connectors act, and how hard they pull.
@@ -241,89 +63,95 @@ void set_connections(const Instant& now, LoadCase& c) {
   }
 }
 
-/// Bodies that the model leaves out, moved by the nodes they would carry.
-void move_by_nodes(const Instant& now, const Body& body, BodyConditions& c) {
-  if (!body.moved_by.empty()) c.dofs.fill(DofState::Held);
-  for (int i : body.moved_by) {
-    const PrescribedNodes& p = now.model.prescribed_nodes[at(i)];
-    DofState& dof = c.dofs[at(p.component)];
-    if (!now.acts(p.step)) {  // fixed in this step: at the reference position, wherever the nodes were before
-      if (dof == DofState::Held) dof = DofState::Prescribed;
-      continue;
-    }
-    dof = DofState::Prescribed;
-    c.value[p.component] = finite_value(now, p.value, p.origin);
-    c.relative[at(p.component)] = p.relative && p.step >= 0;
+/// Where prescribed nodes move a bone that the user takes as rigid: they must not turn it.
+void follow_nodes(const Instant& now, const Body& body, const NodeRows& nodes, BodyConditions& c) {
+  if (nodes.motions.empty()) return;
+  std::vector<double> of_motion, values;
+  for (const GivenMotion& m : nodes.motions) of_motion.push_back(finite_value(now, m.value, m.origin));
+  double largest = 0.0;
+  for (const NodeRow& row : nodes.rows) {
+    values.push_back(row.motion < 0 ? 0.0 : of_motion[at(row.motion)]);
+    largest = std::max(largest, std::abs(values.back()));
+  }
+  const RowSpan span = span_of(nodes.rows, nodes.length, values);
+  int held = 0;
+  for (int k = 0; k < kDofs; ++k) held += span.holds(k);
+  const double close = 1e-6 * largest;
+  bool agree = nodes.agree && span.conditions == held && span.motion.tail<3>().norm() <= close;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    agree = agree && std::abs(condition(nodes.rows[i], nodes.length).dot(span.motion) - values[i]) <= close;
+  const GivenMotion& mover = nodes.motions.back();
+  if (!agree)
+    throw fault_at(
+        now.model, mover.origin,
+        fmt::format("prescribed displacement \"{}\": at time {} its nodes move bone \"{}\" otherwise than by one "
+                    "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
+                    "prescribe its motion",
+                    mover.name, time_text(now.time), body.name));
+  for (int k = 0; k < 3; ++k) {
+    if (!span.holds(k)) continue;
+    c.value[k] = span.motion[k];
+    c.relative[at(k)] = nodes.relative[at(k)] == 1;
   }
 }
 
-/// Which dofs are held, which follow a given motion.
-void set_motions(const Instant& now, LoadCase& c) {
-  const Joint& joint = now.joint;
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
-    if (joint.bodies[b].ground) c.bodies[b].dofs.fill(DofState::Held);
-  for (const RigidFixed& f : now.model.rigid_fixed) {
-    const int b = joint.body_of(f.material);
-    if (!now.acts(f.step) || b < 0) continue;
-    for (std::size_t k = 0; k < kDofs; ++k)
-      if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
-  }
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    if (!joint.bodies[b].ground) hold_by_nodes(now, static_cast<int>(b), c.bodies[b]);
-    move_by_nodes(now, joint.bodies[b], c.bodies[b]);
-  }
-  for (const auto& entry : now.settings.free) {
-    const int b = joint.find_body(now.model, entry.first);
-    for (std::size_t k = 0; k < kDofs; ++k)
-      if (c.bodies[at(b)].dofs[k] != DofState::Prescribed)
-        c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
-  }
-  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of body and dof
-  for (const RigidPrescribed& p : now.model.rigid_prescribed) {
-    const int b = joint.body_of(p.material);
-    if (!now.acts(p.step) || b < 0) continue;
-    BodyConditions& body = c.bodies[at(b)];
-    const double value = finite_value(now, p.value, p.origin);
-    const RigidPrescribed*& other = before[{b, p.dof}];
-    if (other != nullptr && other->material != p.material &&
-        !(std::abs(value - body.value[p.dof]) <= 1e-9 * std::max(std::abs(value), std::abs(body.value[p.dof]))))
-      throw fault_at(now.model, p.origin,
+/// The value of a dof that follows given motions.
+void follow(const Instant& now, int dof, const BodyDof& given, BodyConditions& c) {
+  const auto& materials = now.model.materials;
+  const GivenMotion* before = nullptr;
+  for (const GivenMotion& m : given.motions) {
+    const double value = finite_value(now, m.value, m.origin), other = c.value[dof];
+    if (before != nullptr && before->material != m.material &&
+        !(std::abs(value - other) <= 1e-9 * std::max(std::abs(value), std::abs(other))))
+      throw fault_at(now.model, m.origin,
                      say("\"{}\" and \"{}\" prescribe {} of materials \"{}\" and \"{}\" differently at time {} ({:.4g} "
                          "and {:.4g}), "
                          "but these share nodes and are one body here;",
-                         other->name, p.name, kDofNames[p.dof], now.model.materials[at(other->material)].name,
-                         now.model.materials[at(p.material)].name, time_text(now.time), body.value[p.dof], value),
+                         before->name, m.name, kDofNames[dof], materials[at(before->material)].name,
+                         materials[at(m.material)].name, time_text(now.time), other, value),
                      "take one out, or mesh the bones apart");
-    for (const RigidFixed& f : now.model.rigid_fixed)
-      if (f.material != p.material && value != 0 && now.acts(f.step) && joint.body_of(f.material) == b &&
-          f.dofs[at(p.dof)])
+    for (const FixedDof& f : given.fixed)
+      if (f.material != m.material && value != 0)
         throw fault_at(
-            now.model, p.origin,
+            now.model, m.origin,
             say("\"{}\" prescribes {} of material \"{}\", and \"{}\" fixes it of \"{}\", but these share nodes "
                 "and are one body here;",
-                p.name, kDofNames[p.dof], now.model.materials[at(p.material)].name, f.name,
-                now.model.materials[at(f.material)].name),
+                m.name, kDofNames[dof], materials[at(m.material)].name, f.name, materials[at(f.material)].name),
             "take one out, or mesh the bones apart");
-    other = &p;
-    body.dofs[at(p.dof)] = DofState::Prescribed;
-    body.value[p.dof] = value;
-    // relative to the pose when it became active: outside steps that is the reference
-    body.relative[at(p.dof)] = p.relative && p.step >= 0;
+    before = &m;
+    c.value[dof] = value;
+    c.relative[at(dof)] = m.from_step_start();
   }
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    const auto is_b = [&](const std::string& name) {
-      return !name.empty() && joint.find_body(now.model, name) == static_cast<int>(b);
-    };
-    const bool told =
-        std::any_of(now.settings.free.begin(), now.settings.free.end(), [&](const auto& e) { return is_b(e.first); }) ||
-        is_b(now.settings.motion.body);
-    if (!told && taken_as_rigid(now, static_cast<int>(b))) refuse_coupled_holds(now, static_cast<int>(b), c.bodies[b]);
+}
+
+/// What the model and the settings say of each body in this step.
+std::vector<BodyHolds> holds_now(const Instant& now) {
+  std::vector<BodyHolds> holds = now.joint.conditions.steps[at(now.step)];
+  for (std::size_t b = 0; b < holds.size(); ++b)
+    holds[b] = with_settings(std::move(holds[b]), now.model, now.joint.bodies, static_cast<int>(b), now.settings);
+  return holds;
+}
+
+/// Which dofs are held, which follow a given motion, and which points stay.
+void set_motions(const Instant& now, const std::vector<BodyHolds>& holds, LoadCase& c) {
+  for (std::size_t b = 0; b < holds.size(); ++b) {
+    BodyConditions& body = c.bodies[b];
+    follow_nodes(now, now.joint.bodies[b], holds[b].nodes, body);
+    for (int k = 0; k < kDofs; ++k) {
+      body.dofs[at(k)] = holds[b].dofs[at(k)].state;
+      follow(now, k, holds[b].dofs[at(k)], body);
+    }
+    const Pose& start = c.start[b];
+    for (const NodeRow& row : holds[b].coupled)
+      body.held_points.push_back(
+          {row.component, row.arm, start.center[row.component] + (start.rotation * row.arm)[row.component]});
   }
 }
 
 /// Rotations of one body that FEBio does not take together. `turned`: the body that a table of motions turns instead of
 /// the model; -1: none.
 void refuse_rotations_in_part(const Instant& now, const LoadCase& c, int turned = -1) {
+  const std::vector<BodyHolds>& holds = now.joint.conditions.steps[at(now.step)];
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const auto& dofs = c.bodies[b].dofs;
     const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
@@ -333,9 +161,8 @@ void refuse_rotations_in_part(const Instant& now, const LoadCase& c, int turned 
                      "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
     if (!any) continue;
     std::array<bool, 3> relative = {};  // the flag alone, also outside steps, where it counts for nothing
-    for (const RigidPrescribed& p : now.model.rigid_prescribed)
-      if (p.dof >= 3 && now.acts(p.step) && now.joint.body_of(p.material) == static_cast<int>(b))
-        relative[at(p.dof - 3)] = p.relative;
+    for (std::size_t k = 0; k < 3; ++k)
+      relative[k] = !holds[b].dofs[3 + k].motions.empty() && holds[b].dofs[3 + k].motions.back().relative;
     const auto counted = std::count(relative.begin(), relative.end(), true);
     if (counted > 0 && counted < 3 && static_cast<int>(b) != turned)
       throw fault_at(
@@ -429,7 +256,7 @@ LoadCase model_load_case(const Instant& now, const Replaced& replaced, const std
   c.start = starting_poses(now.model, joint, now.settings);
   c.bodies.resize(joint.bodies.size());
   set_connections(now, c);
-  set_motions(now, c);
+  set_motions(now, holds_now(now), c);
   for (const RigidLoad& l : now.model.rigid_loads)
     add_rigid_load(now, l, l.dof < 3 ? replaced.forces : replaced.moments, reaction, c);
   add_point_forces(now, replaced.forces, replaced.moments, c);

@@ -8,15 +8,6 @@
 
 namespace dea {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// What the model asks of one dof of a body (order of kDofs).
-enum class DofState {
-  Free,       ///< an unknown of the equilibrium
-  Held,       ///< stays where it is
-  Prescribed  ///< follows a given motion
-};
-
 /// A force at a point of a body.
 struct PointForce {
   Vector3d arm = Vector3d::Zero();    ///< from the centre of mass, reference directions; turns with the body
@@ -24,10 +15,18 @@ struct PointForce {
   bool turns = false;                 ///< the vector turns with the body
 };
 
+/// A point of a body that stays where it is in one component: e_k . (centre + R arm) = place.
+struct HeldPoint {
+  int component = 0;
+  Vector3d arm = Vector3d::Zero();  ///< from the centre of mass, reference directions
+  double place = 0.0;
+};
+
 struct BodyConditions {
   std::array<DofState, kDofs> dofs = {};  ///< all Free
   Vector6 value = Vector6::Zero();        ///< prescribed: translation of the centre of mass, rotation vector [rad]
   std::array<bool, kDofs> relative = {};  ///< prescribed from the pose at the start of the step
+  std::vector<HeldPoint> held_points;     ///< hold what the dofs alone do not: a hinge, a pin, a guided end
   Vector6 dead = Vector6::Zero();         ///< force and moment with fixed directions
   Vector6 follower = Vector6::Zero();     ///< force that turns with the body (reference directions)
   Vector3d arm = Vector3d::Zero();        ///< where the force acts, from the centre of mass (turns with the body)

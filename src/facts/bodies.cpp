@@ -105,6 +105,11 @@ int rigid_in_model(const JointModel& model, const Body& body) {
   return found == body.materials.end() ? -1 : *found;
 }
 
+bool taken_as_rigid(const JointModel& model, const Body& body) {
+  return std::any_of(body.materials.begin(), body.materials.end(),
+                     [&](int m) { return !model.materials[at(m)].rigid; });
+}
+
 ElementVolume element_volume(const JointModel& model, const Domain& domain, int element) {
   const int n = nodes_per_element(domain.shape);
   const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;

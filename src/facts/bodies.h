@@ -43,6 +43,9 @@ Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid,
 /// The first of its materials that is rigid in the model, -1: the user takes all of them as rigid, or it has none.
 int rigid_in_model(const JointModel& model, const Body& body);
 
+/// Does the user take some of the body as rigid? FEBio ignores fixed nodes of its own rigid bodies.
+bool taken_as_rigid(const JointModel& model, const Body& body);
+
 /// Signed volume of a solid element (> 0 when its nodes are in FEBio's order) and its centroid.
 struct ElementVolume {
   double volume = 0.0;

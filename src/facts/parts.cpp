@@ -173,6 +173,10 @@ int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const
   return -1;
 }
 
+bool names_body(const JointModel& model, const std::vector<Body>& bodies, const std::string& name, int body) {
+  return !name.empty() && body_by_name(model, bodies, name) == body;
+}
+
 std::vector<std::string> body_names(const std::vector<Body>& bodies) {
   std::vector<std::string> names;
   for (const Body& b : bodies) names.push_back(b.name);

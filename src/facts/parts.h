@@ -53,6 +53,8 @@ int body_of_material(const ModelParts& parts, int material);
 
 /// Index of the body with this name (of any of its materials), -1: none.
 int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name);
+/// Is this the name of that body? An empty one is of none.
+bool names_body(const JointModel& model, const std::vector<Body>& bodies, const std::string& name, int body);
 std::vector<std::string> body_names(const std::vector<Body>& bodies);
 
 /// -1: none.

@@ -5,10 +5,10 @@
 #include <map>
 #include <set>
 
-#include "src/base/decompositions.h"
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
+#include "src/facts/conditions.h"
 
 namespace dea {
 
@@ -86,25 +86,17 @@ bool is_held(const JointModel& model, const Piece& piece, int step) {
   for (const RigidPrescribed& p : model.rigid_prescribed)
     if (acts(p.step) && ours(p.material)) dofs[at(p.dof)] = true;
   if (std::all_of(dofs.begin(), dofs.end(), [](bool held) { return held; })) return true;
-  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
   double length = 0.0;
   for (const Piece::Hold& h : piece.holds) length = std::max(length, (model.nodes[at(h.node)] - piece.at_node).norm());
-  for (const Piece::Hold& h : piece.holds) {
-    if (!acts(h.step)) continue;
-    const Vector3d arm = (model.nodes[at(h.node)] - piece.at_node) / (length > 0 ? length : 1.0);
-    Eigen::Matrix<double, 6, 1> row;
-    row << Vector3d::Unit(h.component), arm.cross(Vector3d::Unit(h.component));
-    gram += row * row.transpose();
-  }
-  const Eigenvalues eigen = symmetric_eigen(gram);
-  return eigen.values[0] > 1e-8 * eigen.values[5];
+  std::vector<NodeRow> rows;
+  for (const Piece::Hold& h : piece.holds)
+    if (acts(h.step)) rows.push_back({h.component, model.nodes[at(h.node)] - piece.at_node, -1, true});
+  return span_of(rows, length > 0 ? length : 1.0).conditions == kDofs;
 }
 
 /// Do the settings say of the whole body how it moves?
 bool is_told(const ModelParts& parts, int body) {
-  const auto names = [&](const std::string& name) {
-    return !name.empty() && body_by_name(parts.model, parts.bodies.bodies, name) == body;
-  };
+  const auto names = [&](const std::string& name) { return names_body(parts.model, parts.bodies.bodies, name, body); };
   for (const auto& [name, dofs] : parts.settings.free)
     if (names(name) && std::none_of(dofs.begin(), dofs.end(), [](bool free) { return free; })) return true;
   return parts.settings.motion.turns && names(parts.settings.motion.body);

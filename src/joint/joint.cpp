@@ -245,10 +245,11 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   }
   joint.contacts = std::move(contacts.contacts);
 
-  add_once(joint.findings, unmodelled_parts(parts, joint.contacts));
-  add_once(joint.findings, dropped_ties(parts));
-  add_once(joint.findings, closing_ties(model, parts.holders));
   joint.node_body = find_carriers(parts, joint.contacts);
+  joint.conditions = find_conditions(model, parts.bodies, joint.node_body);
+  add_once(joint.findings, unmodelled_parts(parts, joint.conditions, joint.contacts));
+  add_once(joint.findings, dropped_ties(parts, joint.conditions));
+  add_once(joint.findings, closing_ties(model, parts.holders));
   Connections connections = find_connections(parts, joint.node_body);
   if (connections.fault) found.faults = {*connections.fault};
   add_once(joint.findings, connections.findings);

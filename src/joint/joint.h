@@ -6,6 +6,7 @@
 #include "src/base/finding.h"
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
+#include "src/facts/conditions.h"
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"
@@ -23,6 +24,7 @@ struct Joint {
   std::vector<Connector> connectors;
   std::vector<PointLoad> point_loads;  ///< nodal forces
   std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
+  Conditions conditions;               ///< of the model, without what the settings say of them
   std::vector<SymmetryPlane> symmetry_planes;
   Findings findings;  ///< what was concluded, left out or is taken otherwise than in FEBio, in order
 

@@ -41,69 +41,32 @@ std::vector<char> nodes_of_layers(const ModelParts& parts, const std::vector<Con
   return in_layer;
 }
 
-/// What fixed nodes leave no way of a bone that the user takes as rigid: three of them in one component, as in a plane
-/// of symmetry, hold it along that axis and about the other two.
-std::array<bool, kDofs> held_by_nodes(const ModelParts& parts, int body) {
-  std::array<bool, kDofs> held = {};
-  const std::vector<int>& materials = parts.bodies.bodies[at(body)].materials;
-  if (std::all_of(materials.begin(), materials.end(), [&](int m) { return parts.model.materials[at(m)].rigid; }))
-    return held;  // FEBio passes over fixed nodes of its own rigid bodies
-  std::array<std::set<int>, 3> nodes;
-  for (const FixedNodes& f : parts.model.fixed_nodes)
-    for (const int node : f.nodes)
-      if (parts.bodies.of_node[at(node)] == body)
-        for (std::size_t k = 0; k < 3; ++k)
-          if (f.xyz[k]) nodes[k].insert(node);
-  for (std::size_t k = 0; k < 3; ++k)
-    if (nodes[k].size() >= 3) held[k] = held[3 + (k + 1) % 3] = held[3 + (k + 2) % 3] = true;
-  return held;
-}
-
-/// The dofs of a body that no step leaves free.
-std::array<bool, kDofs> dofs_never_free(const ModelParts& parts, int body, bool prescribed_too) {
-  const Body& b = parts.bodies.bodies[at(body)];
-  std::array<bool, kDofs> never = {};
-  if (b.ground) {
-    never.fill(true);
-    return never;
-  }
-  const auto of_body = [&](int material) {
-    return std::find(b.materials.begin(), b.materials.end(), material) != b.materials.end();
-  };
-  if (b.materials.empty()) {  // nodes that are moved together
-    never.fill(prescribed_too);
-    return never;
-  }
-  const auto steps = static_cast<int>(parts.model.steps.size());
-  const std::array<bool, kDofs>* free = nullptr;
-  for (const auto& [name, dofs] : parts.settings.free)
-    if (body_by_name(parts.model, parts.bodies.bodies, name) == body) free = &dofs;
-  const std::array<bool, kDofs> by_nodes = held_by_nodes(parts, body);
-  for (int dof = 0; dof < kDofs; ++dof) {
-    std::set<int> given;
-    const auto add = [&](int step) {
-      for (int s = 0; s < steps; ++s)
-        if (step < 0 || step == s) given.insert(s);
-    };
-    if (free != nullptr ? !(*free)[at(dof)] : by_nodes[at(dof)]) add(-1);
-    for (const RigidFixed& fixed : parts.model.rigid_fixed)
-      if (free == nullptr && fixed.dofs[at(dof)] && of_body(fixed.material)) add(fixed.step);
-    for (const RigidPrescribed& moved : parts.model.rigid_prescribed)
-      if (prescribed_too && moved.dof == dof && of_body(moved.material)) add(moved.step);
-    never[at(dof)] = static_cast<int>(given.size()) == steps && steps > 0;
+/// The dofs of a body that no step leaves free. `moved_too`: those that a step moves among them.
+std::array<bool, kDofs> dofs_never_free(const ModelParts& parts, const Conditions& conditions, int body,
+                                        bool moved_too) {
+  std::array<bool, kDofs> never;
+  never.fill(true);
+  for (const std::vector<BodyHolds>& step : conditions.steps) {
+    const BodyHolds holds = with_settings(step[at(body)], parts.model, parts.bodies.bodies, body, parts.settings);
+    for (std::size_t k = 0; k < kDofs; ++k) {
+      const BodyDof& dof = holds.dofs[k];
+      const bool back = dof.by == HeldBy::Nodes && dof.motions.empty() && holds.nodes.motions.empty();
+      never[k] =
+          never[k] && (dof.state == DofState::Held || (dof.state == DofState::Prescribed && (moved_too || back)));
+    }
   }
   return never;
 }
 
 /// Is the body where it is in every step? Then what fastens it carries nothing that the joint would feel.
-bool stays(const ModelParts& parts, int body) {
-  const std::array<bool, kDofs> held = dofs_never_free(parts, body, false);
+bool stays(const ModelParts& parts, const Conditions& conditions, int body) {
+  const std::array<bool, kDofs> held = dofs_never_free(parts, conditions, body, false);
   return std::all_of(held.begin(), held.end(), [](bool h) { return h; });
 }
 
 /// Of the components in which nodes are held: those in which the body moves, as no half of a symmetric joint does.
-unsigned held_against(const ModelParts& parts, int body, unsigned held) {
-  const std::array<bool, kDofs> given = dofs_never_free(parts, body, true);
+unsigned held_against(const ModelParts& parts, const Conditions& conditions, int body, unsigned held) {
+  const std::array<bool, kDofs> given = dofs_never_free(parts, conditions, body, true);
   unsigned against = 0;
   for (unsigned k = 0; k < 3; ++k)
     if ((held >> k & 1u) != 0 && !(given[k] && given[3 + (k + 1) % 3] && given[3 + (k + 2) % 3])) against |= 1u << k;
@@ -112,7 +75,8 @@ unsigned held_against(const ModelParts& parts, int body, unsigned held) {
 
 }  // namespace
 
-Findings unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
+Findings unmodelled_parts(const ModelParts& parts, const Conditions& conditions,
+                          const std::vector<ContactPair>& contacts) {
   const JointModel& model = parts.model;
   const std::vector<std::set<int>> bodies = bodies_of_nodes(parts, contacts);
   const std::vector<char> in_layer = nodes_of_layers(parts, contacts);
@@ -161,9 +125,11 @@ Findings unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair
   for (auto& entry : pieces) alone.push_back(std::move(entry.second));
   std::map<std::pair<std::set<int>, unsigned>, Piece> found;  // by what they are fastened to
   for (const Piece& piece : alone) {
-    const unsigned held = piece.bodies.size() == 1 ? held_against(parts, *piece.bodies.begin(), piece.held) : 0;
+    const unsigned held =
+        piece.bodies.size() == 1 ? held_against(parts, conditions, *piece.bodies.begin(), piece.held) : 0;
     if (piece.bodies.size() < 2 && held == 0) continue;
-    if (std::all_of(piece.bodies.begin(), piece.bodies.end(), [&](int b) { return stays(parts, b); })) continue;
+    if (std::all_of(piece.bodies.begin(), piece.bodies.end(), [&](int b) { return stays(parts, conditions, b); }))
+      continue;
     Piece& part = found[{piece.bodies, held}];
     for (const std::string& name : piece.names)
       if (std::find(part.names.begin(), part.names.end(), name) == part.names.end()) part.names.push_back(name);
@@ -215,12 +181,12 @@ int holder_of(const ModelParts& parts, const std::set<int>& regions) {
 
 }  // namespace
 
-Findings dropped_ties(const ModelParts& parts) {
+Findings dropped_ties(const ModelParts& parts, const Conditions& conditions) {
   const JointModel& model = parts.model;
   Findings dropped;
   const auto body_name = [&](int body) { return parts.bodies.bodies[at(body)].name; };
   const auto add_pair = [&](const std::string& name, int a, int b) {
-    if (!stays(parts, a) || !stays(parts, b))
+    if (!stays(parts, conditions, a) || !stays(parts, conditions, b))
       dropped.push_back({"tie-left-out", {.body = body_name(a)}, {{"tie", name}, {"other", body_name(b)}}});
   };
   for (const Contact& c : model.contacts) {

@@ -26,7 +26,7 @@ constexpr int kMostTimes = 16;       // more is no mesh to be mended by dividing
 /// The facets of a layer in thicknesses, as they are divided. 0: bare.
 double facet_size(const ContactPair& pair, const Layer& layer) { return layer.facet_size() / pair.refine; }
 
-/// "type --refine 3 (9 times the springs)": facets of half a thickness. Empty: no division mends that.
+/// "type refine = 3 (9 times the springs)": facets of half a thickness. Empty: no division mends that.
 Sentence finer_springs(const ContactPair& pair, double size) {
   const double times = std::ceil(size / 0.5);
   if (!(times <= kMostTimes)) return {};

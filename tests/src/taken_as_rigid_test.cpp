@@ -69,32 +69,6 @@ bool finds(const JointModel& model, const std::string& words) {
                      [&](const Sentence& s) { return s.text.find(words) != std::string::npos; });
 }
 
-// A hinge along an edge takes half of the load: a plate that only sinks would press with all of it.
-TEST(TakenAsRigid, HingesPinsAndGuidedEndsAreRefused) {
-  const auto edge = [](const Vector3d& x) { return x.x() < -4.9; };
-  const auto corner = [](const Vector3d& x) { return x.x() < -4.9 && x.y() < -4.9; };
-  for (const bool pin : {false, true}) {
-    JointModel model = pushed_plate();
-    fix_nodes(model, "edge", pin ? nodes_of(model, kPlate, corner) : nodes_of(model, kPlate, edge), {true, true, true});
-    EXPECT_NE(refusal(model, plate_as_rigid()).find("fixed nodes \"edge\" leave bone \"plate\""), std::string::npos)
-        << refusal(model, plate_as_rigid());
-    Settings stated = plate_as_rigid();
-    stated.free["plate"] = {false, false, true, false, false, false};
-    EXPECT_EQ(refusal(model, stated), "");
-  }
-  // fixed in x and y alone, level with the centre of mass: z and two rotations are free; above it, they are coupled
-  JointModel guided = pushed_plate();
-  fix_nodes(guided, "guide", nodes_of(guided, kPlate, all), {true, true, false});
-  EXPECT_EQ(refusal(guided, plate_as_rigid()), "");
-  guided.materials[kPlate].center_of_mass = Vector3d(0, 0, 5);
-  EXPECT_NE(refusal(guided, plate_as_rigid()).find("fixed nodes \"guide\" leave"), std::string::npos);
-  // nothing is left to couple where the bone is held by more than the edge
-  JointModel held = pushed_plate();
-  fix_nodes(held, "edge", nodes_of(held, kPlate, edge), {true, true, true});
-  fix_nodes(held, "all", nodes_of(held, kPlate, all), {false, false, true});
-  EXPECT_EQ(refusal(held, plate_as_rigid()), "");
-}
-
 // Another bone of the same material, far away and held: one body of both would not move, and press with nothing.
 TEST(TakenAsRigid, SeparateBonesOfOneMaterialAreRefused) {
   const auto far = [](const Vector3d& x) { return x.x() > 50; };

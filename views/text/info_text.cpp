@@ -181,9 +181,7 @@ std::string row_conditions_text(const JointModel& model, const Settings& setting
     if (file.starts_with("table of ")) return "the " + file;  // of a caller that has no file, as Python
     return file.empty() ? "a table" : "the table " + file;
   };
-  const auto is_of = [&](const std::string& name) {
-    return !name.empty() && check.joint.find_body(model, name) == body;
-  };
+  const auto is_of = [&](const std::string& name) { return names_body(model, check.joint.bodies, name, body); };
   const LoadTable& loads = settings.loads;
   const MotionTable& motion = settings.motion;
   const bool loaded = !loads.time.empty() && is_of(loads.body), moved = !motion.time.empty() && is_of(motion.body);
