@@ -9,6 +9,7 @@
 #include "io/files/output.h"
 #include "io/settings/settings_xml.h"
 #include "src/base/error.h"
+#include "src/base/parallel.h"
 
 namespace dea {
 
@@ -150,11 +151,8 @@ std::vector<NamedPath> input_files(const std::string& model, const SettingsArgum
   return inputs;
 }
 
-std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {
-  if (threads.empty()) return nullptr;
-  const int n = count_argument("threads", threads, 1, 1024);
-  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                               static_cast<std::size_t>(n));
+std::shared_ptr<void> limit_threads(const std::string& threads) {
+  return threads.empty() ? nullptr : limit_threads(count_argument("threads", threads, 1, 1024));
 }
 
 UsageError wrong_argument(const std::string& option, const std::string& text, const BadValue& why) {

@@ -1,6 +1,5 @@
 // app/options.h – options that commands share: what takes the place of the model's own statements.
 #pragma once
-#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <map>
@@ -55,7 +54,7 @@ void refuse_to_replace(const std::string& path, const std::string& why);
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);
 
 /// Holds for as long as the result lives; empty `threads`: all cores.
-std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
+std::shared_ptr<void> limit_threads(const std::string& threads);
 
 /// "--OPTION VALUE: found ..., expected ..."
 UsageError wrong_argument(const std::string& option, const std::string& text, const BadValue& why);

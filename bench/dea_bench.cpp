@@ -2,9 +2,6 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,6 +20,7 @@
 #include "io/febio/febio_text.h"
 #include "io/results/plot_file.h"
 #include "io/xplt/xplt.h"
+#include "src/base/parallel.h"
 #include "src/equilibrium/times.h"
 #include "src/run/analysis.h"
 #include "src/run/prepared.h"
@@ -83,19 +81,20 @@ Rays rays_at(const SpringBed& bed, const Pose& source, const Pose& target) {
 /// All rays once, split among the threads as press_springs does; how many met the target.
 int cast(const SpringBed& bed, const Rays& rays, std::vector<LineHit>& hits) {
   hits.resize(rays.origin.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), 256),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i)
-                        hits[i] = bed.target.nearest_facing(rays.origin[i], rays.direction[i], -4.0 * rays.deep[i],
-                                                            -rays.deep[i], std::numeric_limits<double>::infinity());
-                    });
+  parallel_for(
+      hits.size(),
+      [&](std::size_t i) {
+        hits[i] = bed.target.nearest_facing(rays.origin[i], rays.direction[i], -4.0 * rays.deep[i], -rays.deep[i],
+                                            std::numeric_limits<double>::infinity());
+      },
+      256);
   return static_cast<int>(
       std::count_if(hits.begin(), hits.end(), [](const LineHit& h) { return h.point.triangle >= 0; }));
 }
 
 /// Rigid ball in a socket with a 4 mm layer of cartilage, n x n facets: 2 n^2 springs, pressed with 2000 N.
 void spring_rung(int n, int threads, bool turns) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const auto limit = limit_threads(threads);
   JointModel model = test::concentric_spheres(n, 2000.0);
   if (turns) model.rigid_fixed.pop_back();  // the ball's
   const Settings settings = test::linear();
@@ -151,7 +150,7 @@ void springs(const std::vector<int>& sizes) {
 
 /// One equilibrium of the ball in the socket with `--law linear` and with `--law layer`.
 void law_rung(int n) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const auto limit = limit_threads(1);
   const JointModel model = test::concentric_spheres(n, 2000.0);
   Time times[2];
   Equilibrium e;
@@ -231,7 +230,7 @@ void whole(const std::string& feb, Law law, const std::filesystem::path& folder,
 
 /// Bones in a row (tests/src/test_models.h), solved from the reference pose, one thread.
 void bodies(const std::vector<int>& sizes) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const auto limit = limit_threads(1);
   fmt::print("\nOne equilibrium of a row of bones, one thread. Times in ms: least (median).\n");
   fmt::print("{:>8} {:>6} {:>8} {:>21} {:>10} {:>5} {:>5}  {:>8}\n", "bodies", "dofs", "springs", "equilibrium",
              "ms/body", "iter.", "casts", "unbal./load");

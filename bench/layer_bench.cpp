@@ -1,6 +1,5 @@
 // layer_bench – what the contact of two bonded layers costs: one line per size. How to read it: README.md.
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/parallel.h"
 #include "src/springs/layer_contact.h"
 #include "tests/src/layer_meshes.h"
 
@@ -72,7 +72,7 @@ void rung(int n, double nu, LayerFit fit) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const auto limit = limit_threads(1);
   const bool smoke = argc > 1 && std::string(argv[1]) == "smoke";
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured
   fmt::print("Contact of two layers, one thread, ms (least of some repeats); app.: applications of the compliance.\n");

@@ -32,6 +32,8 @@ for file in files:
             faults.append(f"{name(file)} includes {other}: no file of the tree, seen from its root")
     if re.search(r"^#include <sqlite3\.h>", text, re.M) and not name(file).startswith("io/study/"):
         faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
+    if re.search(r"^ *# *include *<(oneapi/)?tbb/", text, re.M) and name(file) != "base/parallel.cpp":
+        faults.append(f"{name(file)} includes the thread library: only src/base/parallel.cpp does")
     if name(file) not in POSIX and not name(file).startswith("plugin/"):
         headers = re.findall(r"^ *# *include *<(csignal|(?:sys|net|netinet|arpa|linux)/[^>]+|\w+\.h)>", text, re.M)
         calls = re.findall(r"(?<![\w:>])::[a-z]\w* ?\(", re.sub(r"//.*", "", text))  # ::open(

@@ -1,7 +1,6 @@
 #include "views/run_study.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
@@ -22,6 +21,7 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
+#include "src/base/parallel.h"
 #include "views/joint_uses.h"
 #include "views/ready_joints.h"
 #include "views/run_model.h"
@@ -213,7 +213,7 @@ void solve_cases(Work& work) {
 
 void run_study(const Plan& plan, const std::vector<std::size_t>& cases, const StudyOptions& options) {
   // each case on one thread: what is gained within one is lost between them
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const auto one_thread = limit_threads(1);
   Work work(plan, cases, options);
   if (!options.settings_file.empty()) work.of_file = read_settings_file(options.settings_file).settings;
   std::vector<std::thread> others;

@@ -1,8 +1,6 @@
 #include "views/study_request.h"
 
 #include <fmt/format.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +17,7 @@
 #include "io/tables/text_table.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parallel.h"
 #include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/run/states.h"
@@ -171,7 +170,7 @@ double memory_for_joints() {
 }
 
 int workers_here() {
-  const int cores = tbb::info::default_concurrency(), given = processors_of_task();
+  const int cores = core_count(), given = processors_of_task();
   return given > 0 ? std::min(cores, given) : cores;
 }
 
@@ -230,7 +229,7 @@ Study plan_study(const StudyRequest& r) {
 void take_digests(Study& study) {
   const std::vector<std::string>& models = study.plan.models;
   std::vector<std::vector<std::string>> files(models.size());
-  tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t i) {
+  parallel_for(models.size(), [&](std::size_t i) {
     file_digest(models[i]);  // is it there?
     files[i] = files_of_model(models[i]);
   });

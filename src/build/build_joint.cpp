@@ -1,7 +1,6 @@
 #include "src/build/build_joint.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/base/say.h"
 #include "src/build/clear_overlap.h"
 #include "src/build/mend_surface.h"
@@ -56,7 +56,7 @@ std::vector<Vector3d> directions_at(const Bone& bone, const std::vector<Vector3d
   }
   std::vector<Vector3d> directions(points.size(), Vector3d::Zero());
   const SurfaceMesh& mesh = bone.caster.mesh();
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  parallel_for(points.size(), [&](std::size_t i) {
     const SurfacePoint at_bone = bone.caster.closest(points[i]);
     const auto& corners = mesh.triangles[at(at_bone.triangle)];
     for (std::size_t k = 0; k < 3; ++k)
@@ -76,7 +76,7 @@ std::string place_text(const Vector3d& x) { return fmt::format("({:.4g}, {:.4g},
 /// Between the points of one and the surface of the other.
 double least_distance(const Bone& a, const Bone& b) {
   std::vector<double> distances(a.surface.points.size());
-  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
+  parallel_for(distances.size(), [&](std::size_t i) {
     const Vector3d& x = a.surface.points[i];
     distances[i] = (position(b.caster.mesh(), b.caster.closest(x)) - x).norm();
   });
@@ -124,7 +124,7 @@ void refuse_crossing(const BuildRequest& request, const std::vector<Bone>& bones
   const double tolerance = 1e-4 * size_of(bones[b].surface);
   const TriangleSurface& s = bones[a].surface;
   std::vector<char> crosses(s.triangles.size(), 0);
-  tbb::parallel_for(std::size_t{0}, s.triangles.size(), [&](std::size_t t) {
+  parallel_for(s.triangles.size(), [&](std::size_t t) {
     for (std::size_t k = 0; k < 3; ++k) {  // neighbours have the edge the other way round: both sides are seen
       const Vector3d &from = s.points[at(s.triangles[t][k])], along = s.points[at(s.triangles[t][(k + 1) % 3])] - from;
       const double length = along.norm();
@@ -159,7 +159,7 @@ void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones)
       const RayCaster& caster = bones[b].caster;
       const std::vector<Vector3d> at_vertices = angle_weighted_normals(caster.mesh());
       std::vector<double> depth(points.size(), 0.0);
-      tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+      parallel_for(points.size(), [&](std::size_t i) {
         if ((points[i].array() < box[0].array()).any() || (points[i].array() > box[1].array()).any()) return;
         const SurfacePoint closest = caster.closest(points[i]);
         const Vector3d away = points[i] - position(caster.mesh(), closest);
@@ -233,7 +233,7 @@ std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& 
     thickness = smoothed(region, std::move(thickness), request.rim_length);
   } else if (c.way == Way::Points) {
     refuse_far_places(c, request, bones);
-    tbb::parallel_for(std::size_t{0}, thickness.size(), [&](std::size_t i) {
+    parallel_for(thickness.size(), [&](std::size_t i) {
       double nearest = kInfinity;
       for (std::size_t p = 0; p < c.places.size(); ++p) {
         const double distance = (c.places[p] - region.points[i]).squaredNorm();

@@ -1,11 +1,10 @@
 #include "src/build/clear_overlap.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/build/region.h"
 
 namespace dea {
@@ -34,7 +33,7 @@ std::vector<double> joint_gaps(const BuiltLayer& layer, const RayCaster& other, 
   const std::vector<Eigen::Vector3d> normals = point_normals(layer.face());
   std::vector<double> gaps(layer.articular.size(), kInfinity);
   constexpr double kCos60 = 0.5;
-  tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t v) {
+  parallel_for(gaps.size(), [&](std::size_t v) {
     const LineHit hit = other.nearest_facing(layer.articular[v], normals[v], -reach, -reach, reach, kCos60);
     if (hit.point.triangle >= 0) gaps[v] = hit.distance;
   });

@@ -1,7 +1,5 @@
 #include "src/build/layer_sheet.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/build/mend_surface.h"
 #include "src/build/pseudonormal.h"
 #include "src/build/region.h"
@@ -207,7 +206,7 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
   const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
   Beneath beneath{std::vector<double>(n), std::vector<char>(n, 0), std::vector<char>(n, 0)};
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
+  parallel_for(n, [&](std::size_t v) {
     const Vector3d& x = articular.points[v];
     const LineHit hit = bone.nearest_facing(x, -normals[v], 0.0, 0.0, kInfinity, kCos60);
     if (hit.point.triangle >= 0 && hit.distance > 0 && bone.within(x, 0.5 * hit.distance).empty()) {

@@ -1,13 +1,12 @@
 #include "src/build/region.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/build/mend_surface.h"
 
 namespace dea {
@@ -23,7 +22,7 @@ std::vector<double> depth_in(const TriangleSurface& bone, const GivenRegion& giv
     const SurfaceMesh mesh = mesh_of(given.surface);
     const RayCaster caster(mesh);
     const double near = std::max(mean_edge(given.surface), mean_edge(bone));
-    tbb::parallel_for(std::size_t{0}, depth.size(), [&](std::size_t i) {
+    parallel_for(depth.size(), [&](std::size_t i) {
       depth[i] = near - (position(mesh, caster.closest(bone.points[i])) - bone.points[i]).norm();
     });
     return depth;
@@ -115,7 +114,7 @@ std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, cons
                                 const RayCaster& other, double reach) {
   constexpr double kCos60 = 0.5;
   std::vector<double> gaps(points.size(), kInfinity);
-  tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t i) {
+  parallel_for(gaps.size(), [&](std::size_t i) {
     const LineHit hit = other.nearest_facing(points[i], normals[i], 0.0, 0.0, reach, kCos60);
     if (hit.point.triangle >= 0 && hit.distance > 0 && other.within(points[i], 0.5 * hit.distance).empty())
       gaps[i] = hit.distance;
@@ -287,7 +286,7 @@ std::vector<double> distances_to_rim(const TriangleSurface& s) {
     for (std::size_t k = 0; k < 3; ++k)
       if (neighbours[t][k] < 0) rim.push_back({s.triangles[t][k], s.triangles[t][(k + 1) % 3]});
   std::vector<double> distances(s.points.size(), kInfinity);
-  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
+  parallel_for(distances.size(), [&](std::size_t i) {
     for (const auto& edge : rim)
       distances[i] =
           std::min(distances[i], distance_to_segment(s.points[i], s.points[at(edge[0])], s.points[at(edge[1])]));

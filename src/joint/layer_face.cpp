@@ -1,7 +1,5 @@
 #include "src/joint/layer_face.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/geometry/ray_caster.h"
 #include "src/model/element_faces.h"
 
@@ -267,7 +266,7 @@ void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoun
   };
   std::vector<Seen> seen(facets.size());
   std::vector<FacetShape> shapes(facets.size());
-  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t f) {
+  parallel_for(facets.size(), [&](std::size_t f) {
     if (boundary.kinds[f] != FaceKind::Open) return;
     shapes[f] = shape_of(model, facets[f]);
     const Vector3d &x = shapes[f].center, &n = shapes[f].normal;
@@ -284,7 +283,7 @@ void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoun
     if (boundary.kinds[f] == FaceKind::Open && seen[f].cosine >= kCos60) deepest = std::max(deepest, seen[f].distance);
   // Where bone rises beside the layer (cartilage in a hollow) it is nearest, but the face looks at the bone below it.
   std::vector<char> turned(facets.size(), 0);
-  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t f) {
+  parallel_for(facets.size(), [&](std::size_t f) {
     if (boundary.kinds[f] != FaceKind::Open || seen[f].cosine >= kCos60) return;
     const LineHit hit = caster.nearest_facing(shapes[f].center, -shapes[f].normal, 0.0, 0.0, 2.0 * deepest, kCos45);
     turned[f] = hit.point.triangle < 0 || hit.distance <= 0.0;

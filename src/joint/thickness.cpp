@@ -1,11 +1,10 @@
 #include "src/joint/thickness.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/geometry/ray_caster.h"
 
 namespace dea {
@@ -50,7 +49,7 @@ MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& 
   MeasuredThickness found;
   found.thickness.assign(from.vertices.size(), 0.0);
   found.missed.assign(from.vertices.size(), 0);
-  tbb::parallel_for(std::size_t{0}, from.vertices.size(), [&](std::size_t v) {
+  parallel_for(from.vertices.size(), [&](std::size_t v) {
     const Vector3d& x = from.vertices[v];
     const Vector3d direction = side * from.vertex_normals[v];
     // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest

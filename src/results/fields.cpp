@@ -1,11 +1,10 @@
 #include "src/results/fields.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/results/headline.h"
 #include "src/springs/gaps.h"
 #include "src/springs/press.h"
@@ -42,14 +41,14 @@ FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, 
   if (layer.springs_at == SpringsAt::Bone) {
     map.articular_to_bone.resize(mesh.vertices.size());
     map.vertex_thickness.assign(mesh.vertices.size(), 0.0);
-    tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
+    parallel_for(mesh.vertices.size(), [&](std::size_t v) {
       map.articular_to_bone[v] = bone.closest(mesh.vertices[v]);
       map.vertex_thickness[v] = interpolate(layer.bone, layer.thickness, map.articular_to_bone[v]);
     });
   }
   map.node_to_articular.resize(layer.region_nodes.size());
   map.node_depth.assign(layer.region_nodes.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, layer.region_nodes.size(), [&](std::size_t i) {
+  parallel_for(layer.region_nodes.size(), [&](std::size_t i) {
     const Vector3d& x = model.nodes[at(layer.region_nodes[i])];
     map.node_to_articular[i] = articular.closest(x);
     const double to_articular = (position(mesh, map.node_to_articular[i]) - x).norm();
@@ -278,7 +277,7 @@ JointSpace joint_space(const ContactAt& c, int from, int divide) {
   space.feet.assign(mesh.triangles.size() * parts, SurfacePoint{});
   space.gaps.assign(space.feet.size(), kInfinity);
   space.along.resize(mesh.triangles.size());
-  tbb::parallel_for(0, mesh.size(), [&](int i) {
+  parallel_for(mesh.size(), [&](int i) {
     const Vector3d n = relative.rotation * mesh.normals[at(i)];
     double sum = 0.0;
     int hits = 0;
@@ -302,7 +301,7 @@ JointSpace joint_space(const ContactAt& c, int from, int divide) {
 /// asked.
 std::vector<double> space_of_springs(const ContactAt& c, std::vector<double> gap) {
   const RelativePose relative = c.on_target();
-  tbb::parallel_for(0, c.layer(c.source()).articular.size(), [&](int i) {
+  parallel_for(c.layer(c.source()).articular.size(), [&](int i) {
     if (std::isnan(gap[at(i)])) gap[at(i)] = closest_distance(c, c.source(), relative, i);
   });
   return gap;

@@ -1,11 +1,10 @@
 #include "src/results/inside.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/geometry/ray_caster.h"
 
 namespace dea {
@@ -39,7 +38,7 @@ InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const Spri
                                                       *std::max_element(states.overlap.begin(), states.overlap.end()));
     contact.sides[side] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
   };
-  tbb::parallel_for(0, 2, look);
+  parallel_for(2, look);
   return contact;
 }
 
@@ -48,7 +47,7 @@ std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh
   const RayCaster face(layer.face.mesh), bone(layer.bone);
   const bool no_bone = layer.bone.vertices == layer.articular.vertices;
   std::vector<InsidePlace> places(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  parallel_for(points.size(), [&](std::size_t i) {
     const Vector3d& x = points[i];
     const SurfacePoint above = face.closest(x);
     const Vector3d foot = position(layer.face.mesh, above);
@@ -73,7 +72,7 @@ std::vector<InsideState> states_inside(const InsideLayer& inside, const std::vec
   none.pressure = kNaN;
   none.stress = none.strain = Eigen::Matrix3d::Constant(kNaN);
   std::vector<InsideState> states(places.size(), none);
-  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+  parallel_for(places.size(), [&](std::size_t i) {
     if (places[i].triangle >= 0) states[i] = state_inside(inside, places[i], measure);
   });
   return states;

@@ -1,13 +1,12 @@
 #include "src/results/inside_fields.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parallel.h"
 #include "src/base/say.h"
 #include "src/facts/bodies.h"
 #include "src/model/element_columns.h"
@@ -155,7 +154,7 @@ class FacetMeans {
 std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height) {
   const std::vector<InsideState> states = states_at_height(inside, height, StrainMeasure::Large);
   std::vector<InsideMeasures> measured(states.size());
-  tbb::parallel_for(std::size_t{0}, states.size(), [&](std::size_t v) { measured[v] = measures(states[v]); });
+  parallel_for(states.size(), [&](std::size_t v) { measured[v] = measures(states[v]); });
   return measured;
 }
 

@@ -1,12 +1,10 @@
 #include "src/springs/gaps.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/springs/coverage.h"
 
 namespace dea {
@@ -75,9 +73,7 @@ Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, Spring
 
 template <class Body>
 void for_each_spring(int springs, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<int>(0, springs, 256), [&](const tbb::blocked_range<int>& range) {
-    for (int i = range.begin(); i < range.end(); ++i) body(i);
-  });
+  parallel_for(springs, body, 256);
 }
 
 SpringStates empty_states(std::size_t n) {
@@ -214,7 +210,7 @@ SpringStates find_gaps(const SpringBed& bed, const Pose& source, const Pose& tar
   });
   const std::vector<NearRim> at_rim = springs_near_rim(bed, relative, s);
   std::vector<Coverage> covered(at_rim.size());
-  tbb::parallel_for(std::size_t{0}, at_rim.size(), [&](std::size_t i) {
+  parallel_for(at_rim.size(), [&](std::size_t i) {
     covered[i] = cover_spring(bed, relative, s, bulge, at_rim[i].spring, at_rim[i].distance);
   });
   for_each_spring(springs.size(), [&](int i) { finish_gap(bed, relative, target, bulge[at(i)], i, s); });

@@ -1,12 +1,10 @@
 #include "src/springs/layer_bed.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/springs/gaps.h"
 #include "src/springs/spring_law.h"
 
@@ -51,7 +49,7 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
   constexpr int kChunk = 256;  // fixed, so that the result does not depend on the number of threads
   const int chunks = (s.size() + kChunk - 1) / kChunk;
   std::vector<LayerFeet> of_chunk(at(chunks));
-  tbb::parallel_for(0, chunks, [&](int c) {
+  parallel_for(chunks, [&](int c) {
     for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
       const auto k = at(i);
       std::vector<SurfacePart> parts;

@@ -1,12 +1,11 @@
 #include "src/springs/layer_contact.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 
 namespace dea {
 
@@ -39,8 +38,8 @@ VectorXd own_compliance(const LayerContact& contact, bool tangent) {
 
 MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
   MatrixXd w_s, w_t;
-  tbb::parallel_invoke([&] { w_s = layer_sinking(contact.source, pressure); },
-                       [&] { w_t = layer_sinking(contact.target, pressure); });
+  parallel_invoke([&] { w_s = layer_sinking(contact.source, pressure); },
+                  [&] { w_t = layer_sinking(contact.target, pressure); });
   if (contact.interface_compliance > 0) return w_s + w_t + contact.interface_compliance * pressure;
   return w_s + w_t;
 }
@@ -174,8 +173,8 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
   for (int step = 0;; ++step) {
     end_if_stopped(options.stop);
     ++B.applications;
-    tbb::parallel_invoke([&] { sink(contact.source, result.sunk_source); },
-                         [&] { sink(contact.target, result.sunk_target); });
+    parallel_invoke([&] { sink(contact.source, result.sunk_source); },
+                    [&] { sink(contact.target, result.sunk_target); });
     const VectorXd z =
         (result.sunk_source + result.sunk_target + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
     const double before = result.residual;

@@ -1,7 +1,5 @@
 #include "src/springs/layer_inside.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
@@ -11,6 +9,7 @@
 
 #include "src/base/decompositions.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 
 namespace dea {
 
@@ -86,7 +85,7 @@ void set_slopes(const SurfaceMesh& mesh, InsideShape& shape) {
 /// returns vertices x 3 columns, x y z of each.
 Nodal vertex_gradients(const InsideShape& shape, const Nodal& values) {
   Nodal out = Nodal::Zero(values.rows(), 3 * values.cols());
-  tbb::parallel_for(Index{0}, values.rows(), [&](Index v) {
+  parallel_for(values.rows(), [&](Index v) {
     for (int k = shape.begin[at(v)]; k < shape.begin[at(v) + 1]; ++k)
       for (Index c = 0; c < values.cols(); ++c)
         out.row(v).segment<3>(3 * c) += values(shape.vertex[at(k)], c) * shape.slope[at(k)].transpose();
@@ -203,7 +202,7 @@ InsideLayer look_inside(const LayerOperator& layer, const InsideShape& shape, co
   const Nodal flow = squared.asDiagonal() * inside.gradient;
   const Nodal of_flow = vertex_gradients(shape, flow);  // x y z of each component of each fraction's flow
   inside.spread.resize(n, 6 * kFractions);
-  tbb::parallel_for(Index{0}, n, [&](Index v) {
+  parallel_for(n, [&](Index v) {
     const Matrix3d P = along_surface(mesh.vertex_normals[at(v)]);
     for (Index f = 0; f < kFractions; ++f) {
       Matrix3d G;
@@ -370,7 +369,7 @@ InsideState state_inside(const InsideLayer& inside, const InsidePlace& place, St
 
 std::vector<InsideState> states_at_height(const InsideLayer& inside, double height, StrainMeasure measure) {
   std::vector<InsideState> states(at(inside.value.rows()));
-  tbb::parallel_for(std::size_t{0}, states.size(), [&](std::size_t v) {
+  parallel_for(states.size(), [&](std::size_t v) {
     const int vertex = static_cast<int>(v);
     states[v] = state_of(inside, column_at(inside, {vertex, vertex, vertex}, {1, 0, 0}), height, measure);
   });

@@ -1,12 +1,11 @@
 #include "src/springs/wrench.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "src/base/decompositions.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/springs/spring_law.h"
 
 namespace dea {
@@ -18,7 +17,7 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   constexpr int kChunk = 2048;
   const int chunks = (s.size() + kChunk - 1) / kChunk;
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> partial(at(chunks));
-  tbb::parallel_for(0, chunks, [&](int c) {
+  parallel_for(chunks, [&](int c) {
     ContactWrench& sum = partial[at(c)];
     for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
       const auto k = at(i);

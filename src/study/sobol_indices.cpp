@@ -2,7 +2,6 @@
 #include "src/study/sobol_indices.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/parallel.h"
 #include "src/results/percentile.h"
 
 namespace dea {
@@ -124,7 +124,7 @@ SobolIndices sobol_indices(const std::vector<double>& outputs, int dimensions, c
   const std::size_t count = outputs.size() / (at(dimensions) + 2);
   indices.factors.resize(at(dimensions));
   // each factor by itself, so that threads change no bit
-  tbb::parallel_for(std::size_t{0}, at(dimensions), [&](std::size_t i) {
+  parallel_for(at(dimensions), [&](std::size_t i) {
     indices.factors[i] = index_of(complete_rows(outputs, count, i), largest, bootstrap);
     indices.factors[i].left_out = count - indices.factors[i].rows;
   });

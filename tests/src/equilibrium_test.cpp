@@ -1,12 +1,12 @@
 #include "src/equilibrium/equilibrium.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <cstring>
 
 #include "src/base/error.h"
+#include "src/base/parallel.h"
 #include "src/run/analysis.h"
 #include "tests/analytic/concentric_spheres.h"
 #include "tests/src/test_models.h"
@@ -444,8 +444,8 @@ TEST(Invariance, ExchangeOfSurfacesAgreesToFirstOrderInDepth) {
 
 TEST(Invariance, ThreadsGiveTheSameBits) {
   std::vector<Equilibrium> e;
-  for (std::size_t threads : {1u, 2u}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  for (int threads : {1, 2}) {
+    const auto control = limit_threads(threads);
     e.push_back(last_state(slanted()).equilibrium);
   }
   EXPECT_EQ(0, std::memcmp(e[0].poses[1].center.data(), e[1].poses[1].center.data(), 3 * sizeof(double)));

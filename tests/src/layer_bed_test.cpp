@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
 
 #include "src/base/error.h"
+#include "src/base/parallel.h"
 #include "src/run/analysis.h"
 #include "src/springs/place.h"
 #include "src/springs/press.h"
@@ -288,8 +288,8 @@ TEST(LayerBed, DerivativeMeetsFiniteDifferences) {
 TEST(LayerBed, PressureIsNeverNegativeAndThreadsDoNotMatter) {
   const JointModel model = concentric_spheres(12, 500, true, 3);
   std::vector<std::vector<double>> pressures;
-  for (const std::size_t threads : {1, 3}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  for (const int threads : {1, 3}) {
+    const auto control = limit_threads(threads);
     const Analysis analysis = analyse(model, layer_settings());
     for (const StateResult& state : analysis.states) {
       EXPECT_TRUE(solved(state.equilibrium.outcome)) << state.equilibrium.message;

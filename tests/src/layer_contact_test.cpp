@@ -1,7 +1,6 @@
 #include "src/springs/layer_contact.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <Eigen/Core>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/parallel.h"
 #include "tests/analytic/elastic_layer.h"
 #include "tests/analytic/free_edges.h"
 #include "tests/analytic/linear_systems.h"
@@ -162,7 +162,7 @@ TEST(LayerContact, RatesAreTheDerivative) {
 TEST(LayerContact, DoesNotDependOnThreads) {
   VectorXd p[2];
   for (const int threads : {1, 2}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    const auto limit = limit_threads(threads);
     Bumpy b(20, 0.45, LayerFit::TwoTerms);
     p[threads - 1] = solve_contact(b.contact, b.overlap).pressure;
   }

@@ -1,10 +1,10 @@
 #include "src/springs/springs.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 
+#include "src/base/parallel.h"
 #include "src/equilibrium/equilibrium.h"
 #include "src/springs/place.h"
 #include "src/springs/press.h"
@@ -251,8 +251,8 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
-  for (std::size_t threads : {1u, 2u, 4u}) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  for (int threads : {1, 2, 4}) {
+    const auto control = limit_threads(threads);
     w.push_back(contact_wrench(press_springs(beds.beds[0], s, t), s, t));
   }
   EXPECT_EQ(w[0].wrench, w[1].wrench);

@@ -1,7 +1,6 @@
 #include "views/page/page_data.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
+#include "src/base/parallel.h"
 #include "views/map/map_geometry.h"
 #include "views/text/compare_text.h"
 #include "views/text/run_text.h"
@@ -245,7 +245,7 @@ void set_scales(const Quantity& q, const Found& all, const std::vector<Found>& e
 std::vector<Found> find_in_states(const Quantity& q, std::size_t result) {
   const PageField& field = *q.fields[result];
   std::vector<Found> found(field.states.size());
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
+  parallel_for(found.size(), [&](std::size_t k) {
     if (field.states[k].empty()) return;
     const MapValues v = shown_values(q, result, k);
     found[k].nodes.add(v.vertices);
@@ -304,7 +304,7 @@ Found find_difference(const Quantity& q, const ResultPair& pair, const MapValues
 }
 
 void find_differences(const Quantity& q, std::vector<ResultPair>& pairs) {
-  tbb::parallel_for(std::size_t{0}, pairs.empty() ? 0 : q.frames.size(), [&](std::size_t f) {
+  parallel_for(pairs.empty() ? 0 : q.frames.size(), [&](std::size_t f) {
     std::vector<std::optional<MapValues>> values(q.fields.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!q.fields[i] || q.frames[f].states[i] < 0) continue;
@@ -377,7 +377,7 @@ void add_geometry(const std::vector<ResultFile>& files, const std::vector<int>& 
 void add_edges(const ResultSurface& own, PageField& field) {
   const MapMesh mesh = make_map_mesh(own);
   field.edges.resize(field.states.size());
-  tbb::parallel_for(std::size_t{0}, field.states.size(), [&](std::size_t k) {
+  parallel_for(field.states.size(), [&](std::size_t k) {
     const std::vector<double>& p = field.states[k];
     field.edges[k] = p.empty() ? kInfinity : edge_level(mesh, p, point_values(mesh, nodal_average(own, p)));
   });
@@ -395,7 +395,7 @@ void add_measures(const std::vector<ResultFile>& files, const std::vector<Result
   s.measures.resize(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
     s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(masks.size()));
-    tbb::parallel_for(std::size_t{0}, s.measures[i].size(), [&](std::size_t k) {
+    parallel_for(s.measures[i].size(), [&](std::size_t k) {
       SurfaceValues v;
       v.pressure = pressure_in(s, i, k);
       if (v.pressure.empty()) return;
@@ -416,7 +416,7 @@ void add_patterns(const std::vector<PageFrame>& frames, const std::vector<Result
   if (profile) s.profiles.resize(frames.size(), std::vector<std::vector<double>>(n));
   std::vector<std::vector<double>> areas;
   for (const auto& mask : masks) areas.push_back(nodal_areas(own.back(), mask.back()));
-  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t f) {
+  parallel_for(frames.size(), [&](std::size_t f) {
     const std::vector<int>& states = frames[f].states;
     std::vector<std::vector<double>> nodal(n);
     for (std::size_t i = n; i-- > 0;) {

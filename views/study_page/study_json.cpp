@@ -1,7 +1,6 @@
 #include "views/study_page/study_json.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cctype>
@@ -10,6 +9,7 @@
 
 #include "io/files/encoded_text.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/base/time_text.h"
 #include "views/study_page/study_thinning.h"
 
@@ -31,8 +31,7 @@ template <class Get>
 Json of_all_choices(const StudyNumbers& n, Get get) {
   const std::size_t S = n.statistics.size(), P = n.places.size(), K = n.choices();
   std::vector<Json> found(S * P * K);
-  tbb::parallel_for(std::size_t{0}, found.size(),
-                    [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
+  parallel_for(found.size(), [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
   Json all = Json::array();
   for (std::size_t s = 0; s < S; ++s) {
     all.push_back(Json::array());

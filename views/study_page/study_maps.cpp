@@ -1,7 +1,6 @@
 #include "views/study_page/study_maps.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "views/map/map_scale.h"
 #include "views/study_page/study_thinning.h"
 
@@ -249,7 +249,7 @@ Json maps_json(const std::string& path, const StudyNumbers& n, const StudyFields
   std::vector<CaseFields> cases = read_cases_fields(path, n, fields, kept);
   if (cases.empty()) return nullptr;
   std::vector<PackedFields> packed(cases.size());
-  tbb::parallel_for(std::size_t{0}, cases.size(), [&](std::size_t i) {
+  parallel_for(cases.size(), [&](std::size_t i) {
     sum_over_cycle(n, options, cases[i]);
     packed[i] = packed_fields(fields.surfaces[at(cases[i].surface)], cases[i]);
   });
