@@ -12,6 +12,10 @@ namespace dea {
 /// Exit codes. UsageError, InputError and WriteError end as 2, 3 and 4 (main.cpp).
 enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
 
+/// What --help begins with.
+inline constexpr const char* kAbout =
+    "Discrete element analysis of joint contact: FEBio model in, pressure on its surfaces out.";
+
 struct RunArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::string model;
@@ -69,7 +73,6 @@ struct ConvertArguments {
 CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
 int convert(const ConvertArguments& arguments);
 
-/// Only where CGAL was found (DEA_HAS_BUILD).
 struct BuildArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers, holds, landmarks;
@@ -80,7 +83,10 @@ struct BuildArguments {
   bool keep_holes = false, flip_landmarks = false, overwrite = false, quiet = false;
 };
 CLI::App* add_build(CLI::App& app, BuildArguments& arguments);
+/// The command: in the program dea-build alone.
 int build(const BuildArguments& arguments);
+/// The same from dea: it becomes dea-build, and returns only where there is none.
+int start_build(const std::vector<std::string>& words);
 
 struct PluginBuildArguments {
   std::string febio, output, threads;

@@ -48,7 +48,7 @@ struct Origins {
 
 Origins find_origins() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path program = own_path();
   const fs::path folder = program.parent_path().parent_path(), source = folder / "share" / "febiodea" / "source";
   if (fs::exists(source / "CMakeLists.txt", error)) return {source, {}};
   if (fs::exists(folder / "CMakeCache.txt", error)) return {{}, folder};

@@ -31,6 +31,14 @@ Handler handle(int signal, Handler handler) {
   return before.sa_handler;
 }
 
+/// As exec takes them.
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  return argv;
+}
+
 }  // namespace
 
 bool on_path(const std::string& program) {
@@ -50,10 +58,18 @@ bool open_pipe(int& out, int& in) {
   return true;
 }
 
+std::filesystem::path own_path() {
+  std::error_code unknown;
+  return std::filesystem::read_symlink("/proc/self/exe", unknown);
+}
+
+void become_program(std::vector<std::string> words) {
+  std::vector<char*> argv = pointers(words);
+  ::execvp(argv[0], argv.data());
+}
+
 int start_program(std::vector<std::string> words, std::vector<int> files, bool own_group) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  std::vector<char*> argv = pointers(words);
   std::signal(SIGCHLD, SIG_DFL);  // ignored by whoever started us, its exit code would be lost
   const pid_t child = ::fork();
   if (child != 0) {

@@ -1,5 +1,6 @@
 // app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,13 @@ namespace dea {
 
 /// Is there such a program on the path?
 bool on_path(const std::string& program);
+
+/// The file that this program was started from; empty: unknown.
+std::filesystem::path own_path();
+
+/// Puts the program of these words, the first its path or its name on the path, in the place of this one; no shell
+/// between. Returns only where there is none.
+void become_program(std::vector<std::string> words);
 
 /// What is written into `in` comes out of `out`. False: there is no pipe to be had.
 bool open_pipe(int& out, int& in);

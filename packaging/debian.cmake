@@ -1,5 +1,6 @@
 # Debian packages, by cpack -G DEB in a folder configured with the preset `package` (docs/packages.md):
 #   febiodea                the program, its manual pages and completion
+#   febiodea-build          the program dea-build, which `dea build` starts: the one with CGAL, under the GPL (NOTICE)
 #   libfebiodea1.0          the shared library
 #   libfebiodea-dev         headers, CMake's files, the static libraries
 #   python3-febiodea        the Python module
@@ -9,6 +10,10 @@ set(deb_version "${PROJECT_VERSION}-1")
 set(library_package "libfebiodea${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
 set(packages febiodea ${library_package} libfebiodea-dev febiodea-plugin-source)
 set(components program library development plugin_source)
+if(TARGET dea-build)
+  list(APPEND packages febiodea-build)
+  list(APPEND components build)
+endif()
 if(TARGET febiodea_python)
   list(APPEND packages python3-febiodea)
   list(APPEND components python)
@@ -52,7 +57,7 @@ file(STRINGS packages.txt lines REGEX "^lib.* build$|-dev build$")
 set(needs "${library_package} (= ${deb_version})")
 foreach(line ${lines})
   string(REGEX REPLACE " build$" "" package "${line}")
-  if(NOT package MATCHES "cgal|cli11|sqlite|boost")  # the program's alone
+  if(NOT package MATCHES "cli11|sqlite|boost")  # the program's alone
     string(APPEND needs ", ${package}")
   endif()
 endforeach()
@@ -83,7 +88,12 @@ contact, loads and ligaments balance, and writes the pressures as a FEBio\n\
 plot file.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME febiodea)
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "contact pressure in joints from FEBio models, in seconds\n${about}")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "febiodea-plugin-source")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "febiodea-build, febiodea-plugin-source")
+
+set(CPACK_DEBIAN_BUILD_PACKAGE_NAME febiodea-build)
+set(CPACK_DEBIAN_BUILD_PACKAGE_RECOMMENDS "febiodea (= ${deb_version})")
+set(CPACK_DEBIAN_BUILD_DESCRIPTION "FEBio models from surfaces of bones and cartilage\n${about}\n\
+The program dea-build, which dea build starts. It contains CGAL, under the GPL.")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)

@@ -8,6 +8,8 @@ import json
 import math
 import os
 import re
+import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -643,6 +645,40 @@ def files_beside_the_bones_are_refused(folder):
         done = folder.build(*words, "-q")
         same(done.returncode, 3, f"{words}: {done.stderr}")
         true(said in done.stderr, f"{said!r}: {done.stderr!r}")
+
+
+# ---- two programs ----------------------------------------------------------------------------------------------------
+
+@check
+def dea_build_is_found_beside_dea_or_on_the_path(folder):
+    """Wherever it is found it writes the same model; where it is not, one line says what to install, and --help helps."""
+    own = os.path.join(os.path.dirname(DEA), "dea-build")
+    for path in ("a.feb", "b.feb", "c.feb"):
+        program = {"a.feb": (DEA, "build"), "b.feb": (own,), "c.feb": ("alone/dea", "build")}[path]
+        os.makedirs(os.path.join(folder.path, "alone"), exist_ok=True)
+        shutil.copy(DEA, os.path.join(folder.path, "alone/dea"))
+        called = {"env": {**os.environ, "PATH": os.path.dirname(DEA)}, "cwd": folder.path, "capture_output": True, "text": True}
+        done = subprocess.run([*program, *JOINT, "-q", "-o", path], **called)
+        same((done.returncode, folder.read(path)), (0, folder.read("a.feb")), done.stderr)
+    called["env"]["PATH"] = folder.path
+    done = subprocess.run(["alone/dea", "build", *JOINT, "-o", "d.feb"], **called)
+    same((done.returncode, done.stdout, os.path.exists(os.path.join(folder.path, "d.feb"))), (2, "", False), done.stderr)
+    same(done.stderr.count("\n"), 1, done.stderr)
+    true("install the package febiodea-build" in done.stderr, done.stderr)
+    same(subprocess.run(["alone/dea", "build", "--help"], **called).stdout, folder.dea("build", "--help").stdout, "the help")
+
+
+@check
+def a_signal_ends_dea_build_as_any_command(folder):
+    folder.write("big.stl", stl(ball(160, 20)))
+    building = subprocess.Popen([DEA, "build", "--bone", "socket=socket.stl", "--bone", "ball=big.stl", *JOINT[4:], "-o", "e.feb"], cwd=folder.path,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    building.stderr.readline()  # its first word: the handlers are there
+    building.send_signal(signal.SIGINT)
+    rest = building.stderr.read()
+    same(building.wait(), 130, rest)
+    true("dea: stopped" in rest, rest)
+    true(not os.path.exists(os.path.join(folder.path, "e.feb")), "a model is there all the same")
 
 
 def main():

@@ -49,14 +49,20 @@ check(schemas and schemas == set(re.findall(r"`(dea\.\w+/\d+)`", page)), f"docs/
 codes = {int(n) for n in re.findall(r"\bk\w+ = (\d+)", re.search(r"enum ExitCode \{(.*?)\}", everything).group(1))}
 check(codes and codes <= {int(n) for n in re.findall(r"^\| (\d+)", page, re.M)}, f"docs/promises.md: expected the exit codes {sorted(codes)}")
 
-# Functions that the program calls
+# Functions that the programs call
+def functions_of(program):
+    called = subprocess.run(["nm", "-D", "--undefined-only", program], capture_output=True, text=True).stdout
+    return {line.split()[-1].partition("@")[0] for line in called.splitlines() if line.split()}
+
+
 if shutil.which("nm"):
-    called = subprocess.run(["nm", "-D", "--undefined-only", dea], capture_output=True, text=True).stdout
-    called = {line.split()[-1].partition("@")[0] for line in called.splitlines() if line.split()}
+    called = functions_of(dea)
     check("fork" in called, f"nm: found {len(called)} functions and not fork, which dea plugin-build calls")
-    for function in ("socket", "connect", "bind", "getaddrinfo", "gethostbyname", "sendto", "system", "popen", "posix_spawn", "dlopen"):
-        check(function not in called, f"dea calls {function}")
+    for program in (dea, dea.parent / "dea-build"):
+        for function in ("socket", "connect", "bind", "getaddrinfo", "gethostbyname", "sendto", "system", "popen", "posix_spawn", "dlopen"):
+            check(not program.exists() or function not in functions_of(program), f"{program.name} calls {function}")
     for call, allowed in ((r"fork|exec[lv]p?e?|popen|posix_spawn|system", ["process.cpp"]),
+                          (r"become_program", ["process.cpp", "process.h", "start_build.cpp"]),
                           (r"start_program", ["animate.cpp", "plugin_build.cpp", "process.cpp", "process.h"])):
         users = sorted(path.name for path, code in text.items() if re.search(rf"\b(?:::)?({call}) ?\(", code))
         check(users == allowed, f"other programs are started by {users}, expected {allowed} alone")
