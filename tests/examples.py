@@ -213,7 +213,7 @@ def faults_in_turn(kit, command):
 
 
 def collect():
-    pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md")),
+    pages = [source / "README.md", *sorted((source / "docs").rglob("*.md")), *sorted((source / "samples").rglob("README.md")),
              *sorted(source.glob("*/README.md"))]
     found = [example for page in pages for example in in_text(page)]
     for command in ((), *((c,) for c in COMMANDS if SKIPPED.get(c) != "built without CGAL")):
