@@ -27,7 +27,7 @@ if "\n  build " not in subprocess.run([dea, "--help"], capture_output=True, text
 HIP, FEBIO = "samples/hip/hip_walking.feb", "samples/hip/hip_walking_febio.xplt"
 # What a user has: a file of the sources, or the command that makes it. "SURFACE->NAME": the same with another name.
 FILES = {
-    "hip.feb": HIP, "own.feb": HIP, "hip_walking.feb": HIP, HIP: HIP,
+    "hip.feb": HIP, "own.feb": HIP, "hip_walking.feb": HIP,
     "hip.xplt": FEBIO, "own.xplt": FEBIO, "fea.xplt": FEBIO, "hip_walking_febio.xplt": FEBIO,
     "knee.feb": "samples/knee/knee.feb",
     "chain.feb": "samples/chain/chain.feb",
