@@ -1,4 +1,4 @@
-# Debian packages, by cpack -G DEB in a folder configured with the preset `package` (docs/packages.md):
+# Debian packages, by cpack -G DEB in a folder configured with the preset `package` (docs/install.md):
 #   febiodea                the program, its manual pages and completion
 #   febiodea-build          the program dea-build, which `dea build` starts: the one with CGAL, under the GPL (NOTICE)
 #   libfebiodea1.0          the shared library

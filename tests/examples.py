@@ -27,7 +27,7 @@ if not (dea.parent / "dea-build").exists():
 HIP, FEBIO = "samples/hip/hip_walking.feb", "samples/hip/hip_walking_febio.xplt"
 # What a user has: a file of the sources, or the command that makes it. "SURFACE->NAME": the same with another name.
 FILES = {
-    "hip.feb": HIP, "own.feb": HIP, "hip_walking.feb": HIP, HIP: HIP,
+    "hip.feb": HIP, "own.feb": HIP, "hip_walking.feb": HIP,
     "hip.xplt": FEBIO, "own.xplt": FEBIO, "fea.xplt": FEBIO, "hip_walking_febio.xplt": FEBIO,
     "knee.feb": "samples/knee/knee.feb",
     "chain.feb": "samples/chain/chain.feb",
@@ -213,7 +213,7 @@ def faults_in_turn(kit, command):
 
 
 def collect():
-    pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md")),
+    pages = [source / "README.md", *sorted((source / "docs").rglob("*.md")), *sorted((source / "samples").rglob("README.md")),
              *sorted(source.glob("*/README.md"))]
     found = [example for page in pages for example in in_text(page)]
     for command in ((), *((c,) for c in COMMANDS)):

@@ -1,4 +1,4 @@
-"""docs/promises.md against tests, source and program: python3 promises.py DEA SOURCE BUILD CTEST.
+"""docs/developers/promises.md against tests, source and program: python3 promises.py DEA SOURCE BUILD CTEST.
 
 Every test that the page names exists; its figures and versions are those of the source; and what dea never does: no function
 of the network or of other programs is called, no file is written but the named ones, the environment changes no result."""
@@ -12,7 +12,7 @@ import tempfile
 
 dea, source, build, ctest = (pathlib.Path(p) for p in sys.argv[1:5])
 dea = dea.resolve()
-page = (source / "docs/promises.md").read_text()
+page = (source / "docs/developers/promises.md").read_text()
 faults = []
 
 
@@ -36,18 +36,18 @@ for row in re.findall(r"^\|(.*)\|$", page, re.M):
 named |= set(re.findall(r"`([A-Z]\w+\.[A-Z]\w+)`", page))
 check(len(named) > 30, f"found {len(named)} tests on the page, expected more than 30")
 for name in sorted(named):
-    check(name in exist, f"docs/promises.md names the test {name}, which is none of ctest's")
+    check(name in exist, f"docs/developers/promises.md names the test {name}, which is none of ctest's")
 
 # Figures and versions
 text = {path: path.read_text() for folder in ("src", "io", "views", "app") for path in (source / folder).rglob("*")
         if path.suffix in (".h", ".cpp")}
 everything = "\n".join(text.values())
 for figure in re.findall(r"`(k\w+ = [^`]+)`", page):
-    check(re.search(rf"\b{re.escape(figure)}\b", everything), f"docs/promises.md: found {figure}, the source has another number")
+    check(re.search(rf"\b{re.escape(figure)}\b", everything), f"docs/developers/promises.md: found {figure}, the source has another number")
 schemas = set(re.findall(r'"schema"\] = "(dea\.\w+/\d+)"', everything))
-check(schemas and schemas == set(re.findall(r"`(dea\.\w+/\d+)`", page)), f"docs/promises.md: expected the schemas {sorted(schemas)}")
+check(schemas and schemas == set(re.findall(r"`(dea\.\w+/\d+)`", page)), f"docs/developers/promises.md: expected the schemas {sorted(schemas)}")
 codes = {int(n) for n in re.findall(r"\bk\w+ = (\d+)", re.search(r"enum ExitCode \{(.*?)\}", everything).group(1))}
-check(codes and codes <= {int(n) for n in re.findall(r"^\| (\d+)", page, re.M)}, f"docs/promises.md: expected the exit codes {sorted(codes)}")
+check(codes and codes <= {int(n) for n in re.findall(r"^\| (\d+)", page, re.M)}, f"docs/developers/promises.md: expected the exit codes {sorted(codes)}")
 
 # Functions that the programs call
 def functions_of(program):
@@ -120,5 +120,5 @@ with tempfile.TemporaryDirectory() as temporary:
     for name in ("a.xplt", "a.csv", "f.csv", "a.svg"):
         check((top / "here" / name).read_bytes() == (top / "here/loud" / name).read_bytes(), f"{name}: the environment changed it")
 
-print("\n".join(faults) or f"{len(named)} tests hold what docs/promises.md promises")
+print("\n".join(faults) or f"{len(named)} tests hold what docs/developers/promises.md promises")
 sys.exit(bool(faults))

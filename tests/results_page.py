@@ -4,7 +4,8 @@ Runs the program on samples and fails on a key of JSON or a column of CSV that t
 and no run writes, and on a null or an empty cell where the page says there is none.
 
 A table of the page belongs to the line "In `FILE` at `PLACE`, `PLACE`; in `FILE`" above it. Its columns JSON and CSV hold
-the names: `_y` stands for the name before it with that ending."""
+the names: `_y` stands for the name before it with that ending, `{a,b}_c` for `a_c` and `b_c`. The keys of `settings` are the
+settings of docs/settings.md."""
 import collections
 import csv
 import json
@@ -20,6 +21,8 @@ dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).res
 samples = source / "samples"
 PAGE = "docs/results.md"
 NEVER = "–"  # in the last column of a row
+# Settings that say which files a run writes, and with which states
+OUTPUTS = {"output", "json", "csv", "compartments-csv", "facets-csv", "report", "no-xplt", "vtu", "states"}
 
 # What joins and loads bodies besides what samples/ligament has: a cable, a joint, a force on nodes. And something that is
 # passed over, and something that is left unsaid: which way the cable's force pulls.
@@ -33,11 +36,19 @@ EXTRAS = """<rigid_ic name="swing" type="initial_rigid_velocity"><rb>femur</rb><
 <Loads><nodal_load name="push" type="nodal_force" node_set="pushed"><value>0,0,-1</value></nodal_load></Loads>"""
 
 
+def each(name):
+    """The names that `{a,b}_c` stands for."""
+    braces = re.search(r"\{([^{}]+)\}", name)
+    if not braces:
+        return [name]
+    return [whole for one in braces[1].split(",") for whole in each(name[:braces.start()] + one + name[braces.end():])]
+
+
 def names(cell):
-    """The code spans of a cell, `_y` written out."""
+    """The code spans of a cell, `_y` and `{a,b}` written out."""
     full = []
     for name in re.findall(r"`([^`]+)`", cell):
-        full.append(full[-1].rpartition("_")[0] + name if name.startswith("_") else name)
+        full += each(full[-1].rpartition("_")[0] + name if name.startswith("_") else name)
     return full
 
 
@@ -46,7 +57,7 @@ def places(line):
     found = {}
     for part in line.split(";"):
         file, *at = re.findall(r"`([^`]+)`", part)
-        found[file] = at or [""]
+        found[file] = [place for places in at for place in each(places)] or [""]
     return found
 
 
@@ -178,6 +189,11 @@ def compare(said, file, outputs):
 faults = []
 has_build = "\n  build " in subprocess.run([dea, "--help"], capture_output=True, text=True, check=True).stdout
 said = read_page((source / PAGE).read_text())
+settings = set(re.findall(r"</([\w-]+)>` \|", (source / "docs/settings.md").read_text()))
+assert OUTPUTS < settings, f"found no settings {OUTPUTS - settings} in docs/settings.md"
+for file in ("run.json", "info.json", "converge.json"):
+    for name in settings - OUTPUTS - ({"refine"} if file == "converge.json" else set()):
+        said[file]["settings." + name.replace("-", "_")] = True
 with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
     make_models(folder)

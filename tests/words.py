@@ -40,7 +40,7 @@ with tempfile.TemporaryDirectory() as temporary:
     check(citation, [f"version: {version[0]}\n"], of="CITATION.cff")
     check((source / "CHANGELOG.md").read_text(), [f"\n## {version[0]}\n"], of="CHANGELOG.md")
     two = ".".join(version[0].split(".")[:2])
-    for page in sorted([source / "README.md", *source.glob("docs/*.md"), source / "packaging/debian.cmake",
+    for page in sorted([source / "README.md", *source.glob("docs/**/*.md"), source / "packaging/debian.cmake",
                         source / "plugin/febio_log.h"]):
         text = page.read_text()
         for found, expected in [(r"dea (\d+\.\d+\.\d+), SDK", version[0]), (r"febio_dea\S+ \(version ([\d.]+)\)", version[0]),

@@ -9,10 +9,19 @@ namespace {
 template <class Of>
 using Numbers = std::vector<NamedNumber<Of>>;
 
-/// NAMEx, NAMEy, NAMEz.
+void add(Numbers<ContactStatistics>& numbers, const std::string& name, int ContactStatistics::*count) {
+  numbers.push_back({name, [=](const ContactStatistics& s) { return static_cast<double>(s.*count); }, true});
+}
+
 template <class Of>
-void add_vector(Numbers<Of>& numbers, const std::string& name, Vector3d Of::*vector) {
-  for (int k = 0; k < 3; ++k) numbers.push_back({name + "xyz"[k], [=](const Of& of) { return (of.*vector)[k]; }});
+void add(Numbers<Of>& numbers, const std::string& name, double Of::*number) {
+  numbers.push_back({name, [=](const Of& of) { return of.*number; }});
+}
+
+/// NAME_x, NAME_y, NAME_z.
+template <class Of>
+void add(Numbers<Of>& numbers, const std::string& name, Vector3d Of::*vector) {
+  for (int k = 0; k < 3; ++k) numbers.push_back({name + '_' + "xyz"[k], [=](const Of& of) { return (of.*vector)[k]; }});
 }
 
 /// Those of the headline that is a member of `Of`.
@@ -24,37 +33,37 @@ void add_headline(Numbers<Of>& numbers) {
 
 }  // namespace
 
-const Numbers<ContactStatistics>& spring_numbers() {
+const std::vector<SpringNumber>& spring_table() {
   using S = ContactStatistics;
-  static const Numbers<S> all = [] {
-    Numbers<S> numbers;
-    const auto add_count = [&](const char* name, int S::*n) {
-      numbers.push_back({name, [=](const S& s) { return static_cast<double>(s.*n); }, true});
-    };
-    const auto add = [&](const char* name, double S::*x) {
-      numbers.push_back({name, [=](const S& s) { return s.*x; }});
-    };
-    add_count("springs", &S::springs);
-    add_count("springs_hit", &S::springs_hit);
-    add_count("springs_active", &S::springs_active);
-    add("peak_pressure", &S::peak);
-    add("p99_pressure", &S::p99);
-    add("mean_pressure", &S::mean);
-    add("median_pressure", &S::median);
-    add("p5_pressure", &S::p5);
-    add("p25_pressure", &S::p25);
-    add("p75_pressure", &S::p75);
-    add("p95_pressure", &S::p95);
-    add("contact_area", &S::contact_area);
-    add("facet_peak_pressure", &S::facet_peak);
-    add("nodal_peak_pressure", &S::nodal_peak);
-    add("nodal_mean_pressure", &S::nodal_mean);
-    add("nodal_median_pressure", &S::nodal_median);
-    add("facet_contact_area", &S::facet_contact_area);
-    add_vector(numbers, "center_of_pressure_", &S::center_of_pressure);
-    add_vector(numbers, "force_", &S::force);
-    add_vector(numbers, "moment_", &S::moment);
-    add("largest_strain", &S::largest_strain);
+  static const std::vector<SpringNumber> table = {{"springs", &S::springs},
+                                                  {"springs_hit", &S::springs_hit},
+                                                  {"springs_active", &S::springs_active},
+                                                  {"peak_pressure", &S::peak},
+                                                  {"p99_pressure", &S::p99},
+                                                  {"mean_pressure", &S::mean},
+                                                  {"median_pressure", &S::median},
+                                                  {"p5_pressure", &S::p5},
+                                                  {"p25_pressure", &S::p25},
+                                                  {"p75_pressure", &S::p75},
+                                                  {"p95_pressure", &S::p95},
+                                                  {"contact_area", &S::contact_area},
+                                                  {"facet_peak_pressure", &S::facet_peak},
+                                                  {"nodal_peak_pressure", &S::nodal_peak},
+                                                  {"nodal_mean_pressure", &S::nodal_mean},
+                                                  {"nodal_median_pressure", &S::nodal_median},
+                                                  {"facet_contact_area", &S::facet_contact_area},
+                                                  {"center_of_pressure", &S::center_of_pressure},
+                                                  {"force", &S::force},
+                                                  {"moment", &S::moment},
+                                                  {"largest_strain", &S::largest_strain}};
+  return table;
+}
+
+const Numbers<ContactStatistics>& spring_numbers() {
+  static const Numbers<ContactStatistics> all = [] {
+    Numbers<ContactStatistics> numbers;
+    for (const SpringNumber& row : spring_table())
+      std::visit([&](auto value) { add(numbers, row.name, value); }, row.value);
     return numbers;
   }();
   return all;
@@ -99,11 +108,8 @@ const Numbers<CompartmentLoad>& compartment_inside_numbers() {
 const Numbers<Headline>& headline_columns() {
   static const Numbers<Headline> all = [] {
     Numbers<Headline> numbers;
-    const auto add = [&](const char* name, double Headline::*x) {
-      numbers.push_back({std::string("headline_") + name, [=](const Headline& h) { return h.*x; }});
-    };
-    for (const HeadlineNumber& n : kHeadlineNumbers) add(n.name, n.value);
-    add("above", &Headline::above);
+    for (const HeadlineNumber& n : kHeadlineNumbers) add(numbers, std::string("headline_") + n.name, n.value);
+    add(numbers, "headline_above", &Headline::above);
     return numbers;
   }();
   return all;
@@ -122,8 +128,8 @@ const Numbers<CompartmentLoad>& compartment_numbers() {
   static const Numbers<CompartmentLoad> all = [] {
     Numbers<CompartmentLoad> numbers;
     add_headline(numbers);
-    add_vector(numbers, "force_", &CompartmentLoad::force);
-    add_vector(numbers, "center_of_pressure_", &CompartmentLoad::center_of_pressure);
+    add(numbers, "force", &CompartmentLoad::force);
+    add(numbers, "center_of_pressure", &CompartmentLoad::center_of_pressure);
     return numbers;
   }();
   return all;

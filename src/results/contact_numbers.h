@@ -1,8 +1,9 @@
-// src/results/contact_numbers.h – the numbers of a contact by their names: CSV, a study's file and Python share
+// src/results/contact_numbers.h – the numbers of a contact by their names: JSON, CSV, a study's file and Python share
 // these, in this order.
 #pragma once
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "src/results/statistics.h"
@@ -17,7 +18,14 @@ struct NamedNumber {
   bool count = false;                      ///< a whole number
 };
 
+/// A count, number or vector of a contact by its name in JSON.
+struct SpringNumber {
+  const char* name;
+  std::variant<int ContactStatistics::*, double ContactStatistics::*, Vector3d ContactStatistics::*> value;
+};
 /// Of springs and facets: "springs" to "largest_strain".
+const std::vector<SpringNumber>& spring_table();
+/// The same, each component of a vector by itself.
 const std::vector<NamedNumber<ContactStatistics>>& spring_numbers();
 /// "headline_p99", ..., "headline_above".
 const std::vector<NamedNumber<Headline>>& headline_columns();

@@ -307,9 +307,10 @@ TEST_F(Cli, JsonHasTheAgreedKeysInTheAgreedOrder) {
   expect_keys(s["bodies"]["plate"], {"translation", "rotation", "force", "moment"});
   expect_keys(
       s["contacts"][0],
-      {"name", "source", "target", "springs", "springs_active", "peak_pressure", "p99_pressure", "mean_pressure",
-       "median_pressure", "contact_area", "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure",
-       "nodal_median_pressure", "facet_contact_area", "center_of_pressure", "force", "moment"});
+      {"name", "source", "target", "springs", "springs_hit", "springs_active", "peak_pressure", "p99_pressure",
+       "mean_pressure", "median_pressure", "p5_pressure", "p25_pressure", "p75_pressure", "p95_pressure",
+       "contact_area", "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure", "nodal_median_pressure",
+       "facet_contact_area", "center_of_pressure", "force", "moment", "largest_strain"});
   EXPECT_EQ(s["contacts"][0]["source"], "base");
   EXPECT_EQ(s["contacts"][0]["target"], "plate");
   EXPECT_TRUE(j["settings"]["law"].is_null());  // nothing was said; what holds is the contact's

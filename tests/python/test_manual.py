@@ -1,4 +1,4 @@
-"""What the pages say of the module runs, taken from the pages: README.md, python/README.md, docs/python.md."""
+"""What the pages say of the module runs, taken from the pages: python/README.md, docs/python.md."""
 import csv
 import importlib.util
 import os
@@ -43,15 +43,15 @@ def numbers(line, name):
     return float(re.search(rf"{name} ([\d.]+)", line).group(1))
 
 
-def test_readme(root, hip, dea):
-    (code,) = blocks("README.md")
+def test_first_lines(root, hip, dea):
+    code = blocks("docs/python.md")[0]
     assert len([line for line in code.splitlines() if line]) <= 10
     ours, nodes, theirs = run(code, root).splitlines()
     result = febiodea.analyse(hip)
     contact = result.states[-1].contact()
     assert [numbers(ours, n) for n in ("p99", "mean", "area", "peak")] == [float(f"{x:.4g}") for x in contact.headline[:4]]
     assert nodes.split() == ["nodes", str(contact.nodes.pressure.max()), f"({len(contact.nodes)},)"]
-    assert abs(numbers(ours, "p99") / numbers(theirs, "p99") - 1) < 0.1  # README, "Accuracy"
+    assert abs(numbers(ours, "p99") / numbers(theirs, "p99") - 1) < 0.1  # README.md, "Accuracy"
     # the picture is that of the program, of the same two files
     result.write_xplt(root / "dea.xplt")
     dea("plot", "dea.xplt", "samples/hip/hip_walking_febio.xplt", "--label", "dea", "--label", "FEBio", "--smooth", "-o",
@@ -105,7 +105,7 @@ def test_a_study(in_hip):
 
 
 def test_febios_result_beside(in_hip, hip_result):
-    """docs/python.md, "Plot files": what FEBio found, at the points of dea's surface."""
+    """docs/python.md, "Read plot files of dea and FEBio": what FEBio found, at the points of dea's surface."""
     hip_result.write_xplt(in_hip / "hip_dea.xplt")
     surface = febiodea.read_xplt(in_hip / "hip_walking_febio.xplt").states[-1].surface("acetabular_articulating")
     ours = febiodea.read_xplt(in_hip / "hip_dea.xplt").states[-1].surface("acetabular_articulating")

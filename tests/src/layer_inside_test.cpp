@@ -79,7 +79,7 @@ std::array<double, 4> fraction_errors(double nu, double zeta) {
   return worst;
 }
 
-// Bounds are measured ones, rounded up (docs/inside.py prints them): waves shorter than 0.6 t are what is missed near
+// Bounds are measured ones, rounded up (docs/developers/inside.py prints them): waves shorter than 0.6 t are what is missed near
 // the surface.
 TEST(DepthLaw, FractionsFollowTheExactResponse) {
   struct Row {

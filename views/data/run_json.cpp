@@ -8,6 +8,7 @@
 #include "src/base/numbers.h"
 #include "src/model/settings_table.h"
 #include "src/rules/rules.h"
+#include "src/results/contact_numbers.h"
 #include "src/version.h"
 #include "views/text/run_text.h"
 
@@ -18,17 +19,16 @@ namespace {
 Json json_vector6_head(const Vector6& v) { return json_vector(v.head<3>()); }
 Json json_vector6_tail(const Vector6& v) { return json_vector(v.tail<3>()); }
 
+Json json_value(std::monostate) { return nullptr; }
+Json json_value(double number) { return json_number(number); }
+Json json_value(const Vector3d& vector) { return json_vector(vector); }
+template <class Value>
+Json json_value(const Value& value) {
+  return value;
+}
+
 Json item_json(const SettingItem& item) {
-  struct {
-    Json operator()(std::monostate) const { return nullptr; }
-    Json operator()(double number) const { return json_number(number); }
-    Json operator()(const Vector3d& vector) const { return json_vector(vector); }
-    Json operator()(bool value) const { return value; }
-    Json operator()(int value) const { return value; }
-    Json operator()(const std::string& value) const { return value; }
-    Json operator()(const std::vector<std::string>& value) const { return value; }
-  } json;
-  return std::visit(json, item);
+  return std::visit([](const auto& value) { return json_value(value); }, item);
 }
 
 Json content_json(const SettingContent& content) {
@@ -80,27 +80,8 @@ Json contact_json(const JointModel& model, const Joint& joint, const ContactPair
   j["name"] = pair.name;
   j["source"] = joint.bodies[at(pair.source_layer().body)].name;
   j["target"] = joint.bodies[at(pair.target_layer().body)].name;
-  j["springs"] = s.springs;
-  j["springs_active"] = s.springs_active;
-  j["peak_pressure"] = json_number(s.peak);
-  j["p99_pressure"] = json_number(s.p99);
-  j["mean_pressure"] = json_number(s.mean);
-  j["median_pressure"] = json_number(s.median);
-  j["contact_area"] = json_number(s.contact_area);
-  j["facet_peak_pressure"] = json_number(s.facet_peak);
-  j["nodal_peak_pressure"] = json_number(s.nodal_peak);
-  j["nodal_mean_pressure"] = json_number(s.nodal_mean);
-  j["nodal_median_pressure"] = json_number(s.nodal_median);
-  j["facet_contact_area"] = json_number(s.facet_contact_area);
-  j["center_of_pressure"] = json_vector(s.center_of_pressure);
-  j["force"] = json_vector(s.force);
-  j["moment"] = json_vector(s.moment);
-  j["springs_hit"] = s.springs_hit;
-  j["p5_pressure"] = json_number(s.p5);
-  j["p25_pressure"] = json_number(s.p25);
-  j["p75_pressure"] = json_number(s.p75);
-  j["p95_pressure"] = json_number(s.p95);
-  j["largest_strain"] = json_number(s.largest_strain);
+  for (const SpringNumber& row : spring_table())
+    std::visit([&](auto value) { j[row.name] = json_value(s.*value); }, row.value);
   j["source_resultant_factor"] = json_number(fields.sides[pair.source].resultant_factor);
   j["target_resultant_factor"] = json_number(fields.sides[1 - pair.source].resultant_factor);
   j["complementarity"] = json_number(s.complementarity);
@@ -167,25 +148,15 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
 
 Json settings_json(const Settings& settings) {
   Json j;
-  const auto add = [&](const std::string& option_name) {
-    const SettingOption& option = *find_setting_option(option_name);
-    std::string key = option_name;
+  for (const SettingOption& option : setting_options()) {
+    std::string key = option.name;
     std::replace(key.begin(), key.end(), '-', '_');
     j[key] = content_json(option.content(settings));
-  };
-  const std::vector<std::string> last = {"facets", "set", "thickness-from", "thickness-scale",
-                                         "inside"};  // in dea.run/1
-  for (const SettingOption& option : setting_options()) {
-    const std::string name = option.name;
-    if (name != "frame" && std::find(last.begin(), last.end(), name) == last.end()) add(name);
-    if (name == "rigid") add("keep-facets");  // where it stands in dea.run/1
   }
-  for (const std::string& name : last) add(name);
   j["placements"] = Json::array();  // rotate and move, as they act one after the other
   for (const Placement& p : settings.placements)
     j["placements"].push_back(
         fmt::format("{} {}", p.kind == Placement::Kind::Rotate ? "rotate" : "move", placement_text(p)));
-  add("frame");
   return j;
 }
 

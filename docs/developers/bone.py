@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far the surface of a bonded layer feels a step of the bone: the tables of docs/layer_law.md, section 3, and 7.
 
-    docs/bone.py
+    docs/developers/bone.py
 
 A layer of thickness 1 under an even pressure p sinks by p/M. Where its bone (or its face) is moved by eps cos(s x), the surface sinks by f(s) eps p/M more, to
 first order. Bone: f is what moves the top of a layer without load whose base is moved by cos(s x). Face: p/M of strain there acts as a shear of the top.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints the accuracy tables of README.md and docs/accuracy.md by running dea. Standard library only.
 
-    docs/tables.py DEA [FOLDER_WITH_FEBIO_RESULTS] [--joint TITLE MODEL.feb FEBIO.xplt]... [--write]
+    docs/developers/tables.py DEA [FOLDER_WITH_FEBIO_RESULTS] [--joint TITLE MODEL.feb FEBIO.xplt]... [--write]
 
 DEA: the built program, e.g. build/release/app/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip), dea's
 results are compared with them (dea compare --help has the definitions); models that lie there with FEBio's results are added.
@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SAMPLES = os.path.join(HERE, "..", "samples")
+SAMPLES = os.path.join(HERE, "..", "..", "samples")
 
 
 def last_state(dea, model, *options):
@@ -182,7 +182,7 @@ def brief_table(rows):
 
 
 def write(tables):
-    for path, names in ((os.path.join(HERE, "..", "README.md"), ("brief",)), (os.path.join(HERE, "accuracy.md"), ("spheres", "ranges", "all"))):
+    for path, names in ((os.path.join(HERE, "..", "..", "README.md"), ("brief",)), (os.path.join(HERE, "..", "accuracy.md"), ("spheres", "ranges", "all"))):
         with open(path) as f:
             text = f.read()
         for name in names:

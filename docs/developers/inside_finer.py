@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A model with twice the elements through its cartilage, for the tables of docs/layer_law.md, section 8. Standard library only.
 
-    docs/inside_finer.py MODEL.feb FINER.feb PENALTY     every hex8 becomes two, one above the other: halved along the edges from its
+    docs/developers/inside_finer.py MODEL.feb FINER.feb PENALTY     every hex8 becomes two, one above the other: halved along the edges from its
                                                          first four nodes to its last four, which must cross the layer
 
 PENALTY replaces the contact's. FEBio multiplies it by the area over the volume of the facet's element (auto_penalty): half of it

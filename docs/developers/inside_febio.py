@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Stress and strain inside the cartilage beside FEBio's: the tables of docs/layer_law.md, section 8. Standard library only.
 
-    docs/inside_febio.py DEA FOLDER     runs DEA on every FOLDER/NAME.feb that has FOLDER/NAME_febio*.xplt beside it, compares
+    docs/developers/inside_febio.py DEA FOLDER     runs DEA on every FOLDER/NAME.feb that has FOLDER/NAME_febio*.xplt beside it, compares
                                         the last states and prints the tables: as they are; with the yielding of FEBio's
                                         contact in series (--interface-stiffness); FEBio with one penalty and with another
 """

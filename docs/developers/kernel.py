@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """How far the laws of docs/layer_law.md follow the exact response of a bonded layer (L1). Standard library only.
 
-    docs/kernel.py                 prints the table of section 2, and the weights behind it
-    docs/kernel.py -o kernel.svg   draws the figure
+    docs/developers/kernel.py                 prints the table of section 2, and the weights behind it
+    docs/developers/kernel.py -o kernel.svg   draws the figure
 """
 import math
 import sys

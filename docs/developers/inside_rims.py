@@ -2,7 +2,7 @@
 """Greatest shear in two plot files of one mesh, by the distance from the surface's free rim: the last table of
 docs/layer_law.md, section 8. Standard library only; hexes, uncompressed files, last states.
 
-    docs/inside_rims.py DEA.xplt FEA.xplt SURFACE      DEA's with --inside, FEA's with `stress`
+    docs/developers/inside_rims.py DEA.xplt FEA.xplt SURFACE      DEA's with --inside, FEA's with `stress`
 """
 import math
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `dea run` makes of a folder of FEBio models, by reason and version of the format, as a table in Markdown.
 
-    docs/outcomes.py build/release/app/dea FOLDER
+    docs/developers/outcomes.py build/release/app/dea FOLDER
 
 Every .feb file in FOLDER and its subfolders is run; results go to a temporary folder. A refused model is counted under its
 first reason, the most basic one: `dea info MODEL` lists all. Models whose line fits none of the reasons below are listed

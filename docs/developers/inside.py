@@ -2,7 +2,7 @@
 """How far the fractions of docs/layer_law.md, section 8, follow the exact inside of a bonded layer. Standard library
 only.
 
-    docs/inside.py          prints the tables of section 8: weights at the bone, errors per depth, errors under spheres
+    docs/developers/inside.py          prints the tables of section 8: weights at the bone, errors per depth, errors under spheres
 """
 import math
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes the variants of the reference joints that docs/causes.md compares, and cuts FEBio's results up. Standard library only.
 
-    docs/variants.py write FOLDER_WITH_REFERENCE_MODELS OUT     OUT/RUN.feb, one per run of FEBio
+    docs/developers/variants.py write FOLDER_WITH_REFERENCE_MODELS OUT     OUT/RUN.feb, one per run of FEBio
     febio4 -i OUT/RUN.feb -p OUT/RUN.xplt                       each; needs a linear solver for unsymmetric matrices
-    docs/variants.py cut FOLDER_WITH_REFERENCE_MODELS OUT       OUT/RUN_CASE.feb and .xplt for every case of every run that is there
+    docs/developers/variants.py cut FOLDER_WITH_REFERENCE_MODELS OUT       OUT/RUN_CASE.feb and .xplt for every case of every run that is there
 
 The cases of a run share a mesh and differ in the contact's penalty and the load: FEBio goes from one to the next with load curves, which
 takes a few iterations each. Nothing in these models remembers (elastic, no friction), so the order does not matter. RUN_CASE.feb is the

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Prints the tables of docs/causes.md. Standard library only.
 
-    docs/causes.py DEA FOLDER_WITH_REFERENCE_MODELS FOLDER_WITH_VARIANTS [EXPERIMENT]
+    docs/developers/causes.py DEA FOLDER_WITH_REFERENCE_MODELS FOLDER_WITH_VARIANTS [EXPERIMENT]
 
-DEA: the built program. The first folder holds the reference joints with FEBio's results, the second what docs/variants.py made and FEBio
+DEA: the built program. The first folder holds the reference joints with FEBio's results, the second what docs/developers/variants.py made and FEBio
 solved; what is not there is left out. EXPERIMENT: dea built with docs/causes.patch, which lets one thing of the law be changed at a time.
 """
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the table of docs/from_jam.md: PYTHONPATH=build/release/python docs/from_jam.py [--write].
+"""Prints the table of docs/from_jam.md: PYTHONPATH=build/release/python docs/developers/from_jam.py [--write].
 
 Each joint is solved with independent springs under its own load; at the pose found both laws are asked for the forces. --write
 puts the table into the page, between the lines <!-- from_jam.py poses --> and <!-- end poses -->."""
@@ -24,7 +24,7 @@ JOINTS = [  # title, model, force
 
 
 def recognised(model, law, settings):
-    return febiodea.recognise(str(HERE.parent / "samples" / model), law=law, **settings)
+    return febiodea.recognise(str(HERE.parents[1] / "samples" / model), law=law, **settings)
 
 
 lines = ["| joint | force, linear | force, layer | less | area, linear | area, layer | E of layer for the same force |", "|---" * 7 + "|"]
@@ -42,7 +42,7 @@ for title, model, settings in JOINTS:
         title, force["linear"], force["layer"], 100 * (1 - force["layer"] / force["linear"]), area["linear"], area["layer"], force["linear"] / force["layer"]))
 print("\n".join(lines))
 if "--write" in sys.argv:
-    page = HERE / "from_jam.md"
+    page = HERE.parent / "from_jam.md"
     place = re.compile(r"(<!-- from_jam\.py poses -->\n).*?(<!-- end poses -->)", re.S)
     assert len(place.findall(page.read_text())) == 1
     page.write_text(place.sub(lambda m: m.group(1) + "\n".join(["", *lines, "", ""]) + m.group(2), page.read_text()))
