@@ -44,10 +44,7 @@ Examples:
   dea run --help                     all options of a command
   dea man run | man -l -             the same as a manual page)";
 
-/// A fault is always one line, whatever names it quotes.
-int refuse(const std::string& prefix, std::string what, int code) {
-  for (char& c : what)
-    if (c == '\n' || c == '\r') c = ' ';
+int refuse(const std::string& prefix, const std::string& what, int code) {
   log(prefix + what);
   return code;
 }
