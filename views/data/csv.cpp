@@ -25,7 +25,8 @@ bool is_formula(const std::string& text) {
 }  // namespace
 
 std::string csv_word(const std::string& text) {
-  std::string word = one_line(text);
+  constexpr std::size_t kLongest = 32767;  // of a spreadsheet's cell
+  std::string word = text.size() > kLongest ? shown(text) : one_line(text);
   if (is_formula(word)) word.insert(0, 1, '\'');
   if (word.find_first_of(",\"") == std::string::npos) return word;
   std::string quoted(1, '"');
