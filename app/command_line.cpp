@@ -24,10 +24,7 @@ namespace dea {
 
 namespace {
 
-/// A fault is always one line, whatever names it quotes.
-int refuse(const std::string& prefix, std::string what, int code) {
-  for (char& c : what)
-    if (c == '\n' || c == '\r') c = ' ';
+int refuse(const std::string& prefix, const std::string& what, int code) {
   log(prefix + what);
   return code;
 }

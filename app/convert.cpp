@@ -11,6 +11,7 @@
 #include "io/settings/setting_words.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/rules/rules.h"
 
 namespace dea {
@@ -81,7 +82,7 @@ int convert(const ConvertArguments& a) {
   if (a.quiet) return kSolved;
   std::string text = output + "\n";
   const Wording wording = command_line_wording();
-  for (const Sentence& change : conversion.changes) text += worded(change, wording) + "\n";
+  for (const Sentence& change : conversion.changes) text += message_line(worded(change, wording)) + "\n";
   print(text);
   for (const std::string& line : coded_lines(warnings(model_findings(model, conversion.joint)), wording)) log(line);
   for (const Sentence& note : conversion.notes) log("note: " + worded(note, wording));

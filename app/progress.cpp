@@ -12,6 +12,7 @@
 
 #include "io/files/output.h"
 #include "io/files/system.h"
+#include "src/base/names.h"
 
 namespace dea {
 
@@ -88,7 +89,7 @@ void Progress::now(const std::string& what, const std::string& within, const std
   if (style_ == ProgressStyle::Quiet) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (style_ == ProgressStyle::Every) {
-    if (!details.empty()) write_(details + "\n");
+    if (!details.empty()) write_(message_line(details) + "\n");
     return;
   }
   if (total > 0 && !first_step_) first_step_ = clock_();
@@ -100,7 +101,7 @@ void Progress::step(const std::string& what, const std::string& details, std::si
   if (style_ == ProgressStyle::Quiet) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (style_ == ProgressStyle::Every) {
-    write_(details + "\n");
+    write_(message_line(details) + "\n");
     return;
   }
   if (!first_step_) first_step_ = start_;
@@ -116,19 +117,19 @@ std::string Progress::text(double now) const {
           ? (steps_ended_ - *first_step_) / static_cast<double>(done_) * static_cast<double>(total_ - done_) -
                 (now - steps_ended_)
           : 0.0;
-  const std::string within = within_.empty() ? "" : ": " + within_,
+  const std::string what = message_line(what_), within = within_.empty() ? "" : ": " + message_line(within_),
                     remaining = left > 0 ? fmt::format(", about {} left", duration(left)) : "",
                     counted = now - begun_ >= kCounted ? fmt::format(" ({:.0f} s)", std::floor(now - begun_)) : "";
-  if (style_ == ProgressStyle::Lines) return what_ + within + remaining + counted;
+  if (style_ == ProgressStyle::Lines) return what + within + remaining + counted;
   std::string bar;
   if (total_ > 0) {
     const std::size_t full = std::min(kBarLength, kBarLength * done_ / total_);
     bar = fmt::format("[{}{}] ", std::string(full, '#'), std::string(kBarLength - full, '.'));
   }
   const std::size_t room = kLine - bar.size();
-  for (const std::string& shown : {what_ + within + remaining + counted, what_ + within + counted, what_ + counted})
+  for (const std::string& shown : {what + within + remaining + counted, what + within + counted, what + counted})
     if (shown.size() <= room) return bar + shown;
-  return bar + what_.substr(0, room - std::min(room, counted.size())) + counted;
+  return bar + what.substr(0, room - std::min(room, counted.size())) + counted;
 }
 
 void Progress::show() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/version.h"
 
 namespace dea {
@@ -27,7 +28,7 @@ std::string escaped(const std::string& text, int times) {
 std::vector<std::string> box_lines(const std::string& text) {
   constexpr std::size_t kWidth = 66, kMost = 10;
   std::vector<std::string> lines(1);
-  std::istringstream words(text);
+  std::istringstream words(message_line(text));
   for (std::string word; words >> word;) {
     while (!word.empty()) {
       if (!lines.back().empty() && lines.back().size() + 1 + word.size() > kWidth) lines.emplace_back();
@@ -65,7 +66,7 @@ void open_log_file(FEModel& fem) {
 
 void log_text(FEModel& fem, const std::string& text) {
   constexpr std::size_t kMost = 900;  // characters of one call
-  std::istringstream lines(text);
+  std::istringstream lines(printable(text));
   for (std::string line; std::getline(lines, line);) {
     for (std::size_t begin = 0; begin == 0 || begin < line.size(); begin += kMost)
       feLogEx(&fem, "%s", escaped(line.substr(begin, kMost), 1).c_str());

@@ -10,6 +10,7 @@
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"
+#include "src/base/names.h"
 #include "src/base/say.h"
 #include "src/equilibrium/load_case.h"
 #include "src/equilibrium/rows.h"
@@ -207,7 +208,7 @@ void check_loads(const PreparedJoint& joint, const Settings& settings, const Giv
     const char* place = of_force ? "force" : "moment";
     const std::string words = idle_in_words(idle);
     if (!idle.all) {
-      if (of_call && PyErr_WarnEx(PyExc_UserWarning, fmt::format("{}: {}", place, words).c_str(), 2) != 0)
+      if (of_call && PyErr_WarnEx(PyExc_UserWarning, message_line(fmt::format("{}: {}", place, words)).c_str(), 2) != 0)
         throw py::error_already_set();
       continue;
     }

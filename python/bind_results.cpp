@@ -12,6 +12,7 @@
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"
+#include "src/base/names.h"
 #include "src/rules/rules.h"
 #include "views/data/run_csv.h"
 #include "views/page/write_page.h"
@@ -84,7 +85,7 @@ void bind_result(py::module_& m) {
           "facets_csv",
           [](const Analysed& a) { return text(unlocked([&] { return facets_csv(model_of(a), a.analysis); })); },
           "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
-      .def("__str__", [](const Analysed& a) { return text(run_text(model_of(a), a.analysis, false)); })
+      .def("__str__", [](const Analysed& a) { return text(printable(run_text(model_of(a), a.analysis, false))); })
       .def("__repr__",
            [](const Analysed& a) {
              return text(fmt::format("<febiodea.Result of {}: {} states{}>", model_of(a).files.front(),

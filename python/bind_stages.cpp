@@ -150,7 +150,8 @@ std::shared_ptr<Recognised> recognise_model(const std::shared_ptr<const ReadMode
 
 std::string recognised_text(const std::shared_ptr<Recognised>& r) {
   return *result_of<std::string>([r](Work&) {
-    return std::make_shared<std::string>(info_text(r->recognition.model, r->given, check_joint(r->recognition)));
+    return std::make_shared<std::string>(
+        printable(info_text(r->recognition.model, r->given, check_joint(r->recognition))));
   });
 }
 

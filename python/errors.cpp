@@ -6,6 +6,7 @@
 #include <string>
 
 #include "python/plain.h"
+#include "src/base/names.h"
 #include "src/base/parse.h"
 #include "src/model/settings_table.h"
 
@@ -113,7 +114,7 @@ py::object error_of(const char* type, const Fault& fault, const std::vector<Faul
   if (!others.empty())
     message += fmt::format(" (and {} more reason{}: see others)", others.size(), others.size() > 1 ? "s" : "");
   return py::module_::import("febiodea._errors")
-      .attr(type)(text(message), text(parts.place), text(parts.found), text(parts.expected),
+      .attr(type)(text(message_line(message)), text(parts.place), text(parts.found), text(parts.expected),
                   py::tuple(texts(parts.remedy)), py::tuple(faults_as_errors(others)));
 }
 

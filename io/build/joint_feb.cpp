@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "io/files/encoded_text.h"
 #include "src/base/numbers.h"
 
 namespace dea {
@@ -13,13 +14,6 @@ using Eigen::Vector3d;
 constexpr const char* kDirections[] = {"x", "y", "z"};
 
 std::string text(const Vector3d& v) { return fmt::format("{},{},{}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); }
-
-std::string escaped(const std::string& name) {
-  std::string result;
-  for (const char c : name)
-    result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
-  return result;
-}
 
 /// The mesh in the making: numbers are 1-based.
 struct MeshText {

@@ -12,7 +12,8 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 
 std::string resolve_entities(std::string_view text) {
   constexpr std::pair<std::string_view, char> kEntities[] = {
-      {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}, {"&apos;", '\''}, {"&quot;", '"'}};
+      {"&lt;", '<'},   {"&gt;", '>'},   {"&amp;", '&'},  {"&apos;", '\''}, {"&quot;", '"'}, {"&#9;", '\t'},
+      {"&#x9;", '\t'}, {"&#10;", '\n'}, {"&#xA;", '\n'}, {"&#13;", '\r'},  {"&#xD;", '\r'}};
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
     bool found = false;

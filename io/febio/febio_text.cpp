@@ -28,14 +28,6 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-std::string quote(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string result = "\"";
-  for (const char c : text.substr(0, kLongest)) result += (static_cast<unsigned char>(c) < 32 || c == 127) ? ' ' : c;
-  if (text.size() > kLongest) result += "...";
-  return result + "\"";
-}
-
 std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) {

@@ -5,13 +5,15 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/names.h"
+
 namespace dea::febio {
 
 /// Without white space at its ends.
 std::string_view trim(std::string_view text);
 
-/// Shortened to one printable line and put in quotes, for messages.
-std::string quote(std::string_view text);
+/// For messages.
+inline std::string quote(std::string_view text) { return in_quotes(text); }
 
 /// Compares FEBio's enumerated words: upper and lower case are equal.
 bool same_word(std::string_view a, std::string_view b);

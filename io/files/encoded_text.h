@@ -15,7 +15,8 @@ std::optional<std::string> bytes_of_base64(std::string_view text);
 /// The text with every byte that is no UTF-8 replaced by U+FFFD: names in plot files may be in any encoding.
 std::string utf8(const std::string& text);
 
-/// Text that is no markup, in XML and HTML: between tags or in an attribute within double quotes.
+/// Text that is no markup, in XML and HTML: between tags or in an attribute within double quotes. Line breaks and tabs,
+/// which readers take for spaces there, are written as FEBio knows them, "&#10;".
 std::string escaped(std::string_view text);
 
 }  // namespace dea

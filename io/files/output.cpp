@@ -12,6 +12,7 @@
 
 #include "io/files/system.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/parse.h"
 
 namespace dea {
@@ -78,6 +79,12 @@ void write_beside(const std::string& path, const fs::path& target, const std::fu
   if (error) cannot_write(path, error.value());
 }
 
+void write_stdout(const std::string& text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    cannot_write("standard output", errno);
+}
+
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error) && !error) return fs::is_regular_file(a, error);  // a device may take several
@@ -131,7 +138,7 @@ void write_text(const std::string& path, const std::string& text) {
 
 void write_pieces(const std::string& path, const Pieces& write) {
   if (path == "-") {
-    write(print);
+    write(write_stdout);
     return;
   }
   const auto put_all = [&](int file) {
@@ -222,13 +229,9 @@ void cannot_write(const std::string& path, int error) {
   throw WriteError(fmt::format("{}: {}", path, reason_of(error)));
 }
 
-void print(const std::string& text) {
-  errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    cannot_write("standard output", errno);
-}
+void print(const std::string& text) { write_stdout(printable(text)); }
 
-void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+void log(const std::string& line) { std::fputs((message_line(line) + "\n").c_str(), stderr); }
 
 std::string default_output(const std::string& model, const std::string& extension) {
   const fs::path path = model;

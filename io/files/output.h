@@ -50,10 +50,10 @@ void remove_unfinished();
 /// Throws WriteError: what the system says of `error`, errno.
 [[noreturn]] void cannot_write(const std::string& path, int error);
 
-/// Throws WriteError when standard output took not all of it.
+/// Text for people, made printable (names.h), on standard output. Throws WriteError when that took not all of it.
 void print(const std::string& text);
 
-/// One line on standard error.
+/// One line on standard error, whatever names it quotes (message_line).
 void log(const std::string& line);
 
 /// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.

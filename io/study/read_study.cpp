@@ -67,6 +67,44 @@ StudyHead head_of(const Database& d) {
   return head;
 }
 
+/// Rows may have been deleted or added by hand: what one row says of another must be there. Throws InputError: it is
+/// not.
+void check_whole(const Database& d) {
+  const auto refuse_if_any = [&](const std::string& sql, const char* what) {
+    Statement odd(d, sql + " LIMIT 1");
+    if (odd.step())
+      throw InputError(
+          fmt::format("{}: found {} (case {}), expected the file as dea study wrote it: rows were deleted "
+                      "or added since; take a copy from before, or solve the study again",
+                      d.path(), what, odd.integer(0)));
+  };
+  refuse_if_any("SELECT case_id FROM cases WHERE model_id NOT IN (SELECT model_id FROM models)", "a case of no model");
+  refuse_if_any("SELECT case_id FROM warnings WHERE case_id NOT IN (SELECT case_id FROM cases)",
+                "a warning of no case");
+  refuse_if_any("SELECT case_id FROM states WHERE case_id NOT IN (SELECT case_id FROM cases)", "a state of no case");
+  refuse_if_any(fmt::format("SELECT case_id FROM cases WHERE case_outcome = '{}' AND case_id NOT IN "
+                            "(SELECT case_id FROM states)",
+                            name(CaseResult::Outcome::Solved)),
+                "a solved case without states");
+  refuse_if_any("SELECT case_id FROM states GROUP BY case_id HAVING count(*) <> max(state)",
+                "a case that lacks a state");
+  refuse_if_any("SELECT case_id FROM states WHERE (case_id, state) NOT IN (SELECT case_id, state FROM statistics)",
+                "a state without contacts");
+  for (const char* table : {"statistics", "poses", "parts", "fields"})
+    refuse_if_any(
+        fmt::format("SELECT case_id FROM {} WHERE (case_id, state) NOT IN (SELECT case_id, state FROM states)", table),
+        "results of no state");
+  for (const char* table : {"statistics", "fields"})
+    refuse_if_any(
+        fmt::format("SELECT case_id FROM {} GROUP BY case_id, state HAVING count(*) <> max(contact_id)", table),
+        "a state that lacks a contact");
+  refuse_if_any(
+      "SELECT f.case_id FROM fields f JOIN statistics t USING (case_id, state, contact_id) JOIN cases c USING "
+      "(case_id) WHERE (c.model_id, t.contact, t.source) NOT IN (SELECT model_id, contact, source FROM "
+      "surfaces)",
+      "a field of no surface");
+}
+
 /// Those of `a` that `b` lacks, as a list.
 std::string lacking(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   std::string text;
@@ -119,7 +157,18 @@ bool is_database(const std::string& path) {
   return in && start == "SQLite format 3";
 }
 
-StudyHead read_study_head(const std::string& path) { return reading(path, head_of); }
+StudyHead read_study_head(const std::string& path) {
+  return reading(path, [](const Database& d) {
+    StudyHead head = head_of(d);
+    const int columns = Statement(d, "SELECT * FROM cases").columns(), factors = static_cast<int>(head.factors.size());
+    if (columns != 5 + factors)
+      throw InputError(
+          fmt::format("{}: found {} factors and {} columns of their values in table cases, expected as many", d.path(),
+                      factors, columns - 5));
+    check_whole(d);
+    return head;
+  });
+}
 
 std::string study_difference(const StudyHead& there, const StudyIdentity& wanted) {
   if (there.identity.version != wanted.version)

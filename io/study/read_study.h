@@ -22,7 +22,8 @@ struct StudyHead {
 /// Is it a SQLite file, whatever is in it?
 bool is_database(const std::string& path);
 
-/// Throws InputError: it cannot be read, is no study, or is of another version than this program's.
+/// Throws InputError: it cannot be read, is no study, is of another version than this program's, or rows are missing to
+/// which others belong.
 StudyHead read_study_head(const std::string& path);
 
 /// What differs, in words that follow on "PATH: "; empty: it is the same study.

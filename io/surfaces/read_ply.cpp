@@ -6,6 +6,7 @@
 
 #include "io/surfaces/surface_text.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 
 namespace dea {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "io/surfaces/surface_text.h"
+#include "src/base/names.h"
 
 namespace dea {
 

@@ -14,6 +14,7 @@
 #include "io/files/packed_bytes.h"
 #include "io/surfaces/surface_text.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 
 namespace dea {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "src/base/error.h"
+#include "src/base/names.h"
 
 namespace dea {
 
@@ -15,12 +16,6 @@ namespace {
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
 }  // namespace
-
-std::string shown(std::string_view word) {
-  std::string text;
-  for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
-  return text + (word.size() > 30 ? "..." : "");
-}
 
 std::string_view SurfaceText::next_line() {
   const std::size_t begin = place_;

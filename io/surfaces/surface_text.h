@@ -57,9 +57,6 @@ class SurfaceText {
   int line_ = 1;
 };
 
-/// A word for a message: foreign bytes do not belong there, nor words without end.
-std::string shown(std::string_view word);
-
 /// Of each kind; the text stands at the file's begin.
 TriangleSurface read_stl_text(SurfaceText& text);
 TriangleSurface read_stl_binary(SurfaceText& text);

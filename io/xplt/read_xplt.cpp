@@ -23,6 +23,7 @@
 #include "io/xplt/xplt.h"
 #include "io/xplt/xplt_format.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 
 namespace dea {
 
@@ -153,14 +154,6 @@ std::string read_prefixed_name(const Chunk& leaf) {
 std::string read_fixed_name(const Chunk& leaf) {
   require_size(leaf, kFixedName);
   return text_at(*leaf.source, leaf.begin, kFixedName);
-}
-
-// A name from the file, fit for a one-line message.
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return text;
 }
 
 // ----------------------------------------------------------------------------------------------- root
@@ -574,15 +567,15 @@ void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, Xplt
           const int region = static_cast<int>(data.id);
           const std::int64_t floats = floats_in_region(mesh, variable, region);
           if (floats < 0) {
-            fail_header(data, fmt::format("\"{}\": no region {} in the mesh", printable(variable.name), data.id));
+            fail_header(data, fmt::format("{}: no region {} in the mesh", in_quotes(variable.name), data.id));
           }
           if (data.size() != 4 * static_cast<std::size_t>(floats)) {
-            fail_header(data, fmt::format("\"{}\", region {}: {} bytes, expected {}", printable(variable.name), region,
+            fail_header(data, fmt::format("{}, region {}: {} bytes, expected {}", in_quotes(variable.name), region,
                                           data.size(), 4 * floats));
           }
           for (const XpltRegion& other : regions) {
             if (other.region == region) {
-              fail(data, fmt::format("\"{}\": region {} twice", printable(variable.name), region));
+              fail(data, fmt::format("{}: region {} twice", in_quotes(variable.name), region));
             }
           }
           regions.push_back({region, read_floats(data)});

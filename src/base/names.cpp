@@ -1,7 +1,10 @@
 #include "src/base/names.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 
 namespace dea {
 
@@ -9,12 +12,60 @@ namespace {
 
 char small(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
-/// For a message of one line.
-std::string shown(const std::string& name) {
-  constexpr std::size_t kMost = 60;
-  std::string text = "\"";
-  for (const char c : name.substr(0, kMost)) text += static_cast<unsigned char>(c) < 32 || c == 127 ? ' ' : c;
-  return text + (name.size() > kMost ? "...\"" : "\"");
+bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
+/// The character that `text` begins with. No UTF-8: one byte, and 0 for its code.
+struct Character {
+  std::size_t bytes = 1;
+  std::uint32_t code = 0;
+};
+
+Character first_character(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text[0]);
+  if (lead < 0x80) return {1, lead};
+  const std::size_t bytes = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  if (lead < 0xC2 || lead > 0xF4 || text.size() < bytes) return {};
+  std::uint32_t code = lead & (0xFFu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if (!continues(text[i])) return {};
+    code = code << 6 | (static_cast<unsigned char>(text[i]) & 0x3Fu);
+  }
+  const bool too_long = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
+  return too_long || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000) ? Character{} : Character{bytes, code};
+}
+
+/// Beyond ASCII: what steers a terminal, breaks a line or turns the direction of writing.
+bool steers(std::uint32_t code) {
+  return code < 0xA0 || code == 0x061C || (code >= 0x200E && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+/// `kept`: control characters that stay.
+std::string without_control(std::string_view text, std::string_view kept) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    const Character character = first_character(text.substr(i));
+    const bool plain =
+        character.bytes > 1 ? !steers(character.code) : (c >= ' ' && c < 127) || kept.find(c) != std::string_view::npos;
+    if (plain)
+      out += text.substr(i, character.bytes);
+    else if (character.bytes > 1)
+      out += fmt::format("\\u{:04x}", character.code);
+    else
+      out += c == '\n' ? "\\n" : c == '\t' ? "\\t" : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    i += character.bytes;
+  }
+  return out;
+}
+
+/// What is longer than both: the first `begin` and the last `end` bytes, without halves of UTF-8 characters.
+std::string shortened(std::string_view text, std::size_t begin = 60, std::size_t end = 20) {
+  if (text.size() <= begin + end) return std::string(text);
+  std::size_t first = begin, last = text.size() - end;
+  while (first + 3 > begin && continues(text[first])) --first;
+  while (last < text.size() - end + 3 && continues(text[last])) ++last;
+  return fmt::format("{}...{}", text.substr(0, first), text.substr(last));
 }
 
 /// In small letters, without - and _.
@@ -34,6 +85,28 @@ bool stuttered(const std::string& word, const std::string& name) {
 constexpr std::size_t kLongest = 100;
 
 }  // namespace
+
+std::string printable(std::string_view text) { return without_control(text, "\n\t"); }
+
+std::string one_line(std::string_view text) { return without_control(text, ""); }
+
+std::string shown(std::string_view name) { return one_line(shortened(name)); }
+
+std::string in_quotes(std::string_view name) { return fmt::format("\"{}\"", shown(name)); }
+
+std::string message_line(std::string_view message) {
+  constexpr std::size_t kLong = 1000, kLongName = 400, kBegin = 3000, kEnd = 1000;
+  if (message.size() <= kLong) return one_line(message);
+  std::string text;
+  for (std::size_t begin = 0; begin <= message.size();) {
+    const std::size_t end = std::min(message.find('"', begin), message.size());
+    const std::string_view between = message.substr(begin, end - begin);
+    text += between.size() > kLongName ? shortened(between) : std::string(between);
+    if (end < message.size()) text += '"';
+    begin = end + 1;
+  }
+  return one_line(shortened(text, kBegin, kEnd));
+}
 
 int edit_distance(std::string_view a, std::string_view b) {
   a = a.substr(0, kLongest);
@@ -84,7 +157,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     const auto holds = [&](const std::string& name) { return bare(name).find(asked) != std::string::npos; };
     if (std::count_if(names.begin(), names.end(), holds) == 1) best = *std::find_if(names.begin(), names.end(), holds);
   }
-  return best.empty() ? "" : " (did you mean " + shown(best) + "?)";
+  return best.empty() ? "" : " (did you mean " + in_quotes(best) + "?)";
 }
 
 std::string name_list(std::vector<std::string> names, std::string_view word, std::size_t most) {
@@ -99,7 +172,7 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::move(by_distance[i].second);
   }
   std::string text;
-  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i ? ", " : "") + shown(names[i]);
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i ? ", " : "") + in_quotes(names[i]);
   if (names.size() > most) text += ", ...";
   return text.empty() ? "none" : text;
 }

@@ -1,4 +1,8 @@
-// src/base/names.h – names in messages: those there are, the one that was meant, and words for enumerators.
+// src/base/names.h – names in messages: how they are shown, those there are, the one that was meant, and words for
+// enumerators.
+//
+// A name is data: it stays as its file has it, whatever is in it. Only what a terminal, a log or an exception shows is
+// made fit for that, where it leaves.
 #pragma once
 #include <cassert>
 #include <initializer_list>
@@ -9,6 +13,20 @@
 #include <vector>
 
 namespace dea {
+
+/// Text for a terminal: what would steer it (control characters, marks that turn the direction of writing) and bytes
+/// that are no UTF-8 become "\x1b", "\u202e". Line breaks and tabs stay.
+std::string printable(std::string_view text);
+/// The same on one line.
+std::string one_line(std::string_view text);
+
+/// A name within a message: on one line; of one longer than 80 bytes the first 60 and the last 20.
+std::string shown(std::string_view name);
+/// The same in quotes.
+std::string in_quotes(std::string_view name);
+
+/// A whole message: on one line, and no longer than a few thousand bytes, whatever names it quotes.
+std::string message_line(std::string_view message);
 
 /// Letters to change, add, leave out or swap with their neighbour to make `b` of `a`; capitals are small letters.
 int edit_distance(std::string_view a, std::string_view b);

@@ -292,6 +292,33 @@ TEST_F(StudyFile, WhatIsNoStudyIsSaid) {
   EXPECT_NE(input_fault([&] { read_columns(path, {"time"}); }).find("damaged"), std::string::npos);
 }
 
+TEST_F(StudyFile, RowsThatWereDeletedAreMissed) {
+  struct Case {
+    const char *sql, *found;
+  };
+  for (const Case& c :
+       {Case{"DELETE FROM models", "a case of no model (case 1)"},
+        Case{"DELETE FROM cases WHERE case_id = 2", "a warning of no case (case 2)"},
+        Case{"DELETE FROM warnings; DELETE FROM cases WHERE case_id = 1", "a state of no case (case 1)"},
+        Case{"DELETE FROM states WHERE case_id = 2", "a solved case without states (case 2)"},
+        Case{"DELETE FROM states WHERE state = 1", "a case that lacks a state (case 1)"},
+        Case{"DELETE FROM states WHERE state = 2", "results of no state (case 1)"},
+        Case{"DELETE FROM statistics WHERE case_id = 2 AND state = 2", "a state without contacts (case 2)"},
+        Case{"UPDATE statistics SET contact_id = 2", "a state that lacks a contact (case 1)"},
+        Case{"DELETE FROM surfaces", "a field of no surface (case 1)"},
+        Case{"DELETE FROM factors WHERE number = 2", "1 factors and 2 columns of their values"}}) {
+    std::filesystem::remove(path);
+    write({result_of(1), result_of(2), refused(3)});
+    EXPECT_EQ(input_fault([&] { read_study_head(path); }), "no fault");
+    sqlite3* db = nullptr;
+    sqlite3_open(path.c_str(), &db);
+    EXPECT_EQ(sqlite3_exec(db, c.sql, nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(db);
+    const std::string fault = input_fault([&] { read_study_head(path); });
+    EXPECT_NE(fault.find(fmt::format("plan.db: found {}", c.found)), std::string::npos) << c.sql << ": " << fault;
+  }
+}
+
 TEST_F(StudyFile, ShardsBecomeOneFile) {
   const auto shard = [&](int i, const std::vector<CaseResult>& results) {
     StudyIdentity who = identity();

@@ -343,7 +343,8 @@ TEST(Surfaces, WhatIsNoSurfaceIsRefusedWithItsPlace) {
       {"corner.obj", "v 0 0 0\nf a b c\n", ":2: found another line, expected \"f 1 2 3\" with numbers of points"},
       {"words.vtk", "# vtk DataFile Version 3.0\nx\nTEXT\n", ":3: found \"TEXT\", expected ASCII or BINARY"},
       {"long.vtk", "# vtk DataFile Version 3.0\nx\n\x1b" + std::string(100, 'T'),
-       ":3: found \"?TTTTTTTTTTTTTTTTTTTTTTTTTTTTT...\", expected ASCII or BINARY"},
+       ":3: found \"\\x1bTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTTT...TTTTTTTTTTTTTTTTTTTT\", "
+       "expected ASCII or BINARY"},
       {"type.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 half\n",
        ":5: found the type \"half\", expected float, double, int or vtktypeint64"},
       {"count.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS three float\n",

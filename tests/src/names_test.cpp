@@ -77,8 +77,55 @@ TEST(Names, ListsAreShortAndOneLine) {
   EXPECT_EQ(name_list({}), "none");
   EXPECT_EQ(name_list({"b", "a"}), "\"b\", \"a\"");
   EXPECT_EQ(name_list({"far", "hop", "hip"}, "hip", 2), "\"hip\", \"hop\", ...");
-  EXPECT_EQ(name_list({"two\nlines"}), "\"two lines\"");
-  EXPECT_EQ(name_list({std::string(100, 'x')}), "\"" + std::string(60, 'x') + "...\"");
+  EXPECT_EQ(name_list({"two\nlines"}), "\"two\\nlines\"");
+  EXPECT_EQ(name_list({std::string(1000, 'x')}), in_quotes(std::string(1000, 'x')));
+}
+
+TEST(Names, WhatSteersATerminalIsShown) {
+  struct Case {
+    std::string text, shown;
+  };
+  const Case cases[] = {
+      {"femoral cartilage (left), 2.5 mm", "femoral cartilage (left), 2.5 mm"},
+      {"\xc3\xbc \xe9\xaa\xa8 \xf0\x9f\xa6\xb4", "\xc3\xbc \xe9\xaa\xa8 \xf0\x9f\xa6\xb4"},  // UTF-8 of 2, 3, 4 bytes
+      {"\x1b[31mred\x07\x7f", "\\x1b[31mred\\x07\\x7f"},
+      {"a\r\nb\tc", "a\\x0d\\nb\\tc"},
+      {std::string("a\0b", 3), "a\\x00b"},
+      {"\xc2\x9b[31m", "\\u009b[31m"},                        // an escape sequence's begin as one character
+      {"a\xe2\x80\xae z\xe2\x81\xa6", "a\\u202e z\\u2066"},   // what follows is to be written from the right; isolated
+      {"\xfc z", "\\xfc z"},                                  // Latin 1
+      {"\xe9\xaa", "\\xe9\\xaa"},                             // half a character
+      {"\xc0\xaf\xed\xa0\x80", "\\xc0\\xaf\\xed\\xa0\\x80"},  // "/" in two bytes; half of a pair of UTF-16
+      {"back\\slash \"quoted\"", "back\\slash \"quoted\""},
+      {"", ""},
+  };
+  for (const Case& c : cases) {
+    EXPECT_EQ(one_line(c.text), c.shown);
+    EXPECT_EQ(shown(c.text), c.shown);
+    EXPECT_EQ(message_line(c.text), c.shown);
+    EXPECT_EQ(one_line(c.shown), c.shown);  // twice is once
+  }
+  EXPECT_EQ(printable("time\tp99\n\x1b"), "time\tp99\n\\x1b");  // a table's own
+}
+
+TEST(Names, LongNamesKeepTheirEnds) {
+  const std::string begin(60, 'b'), end(20, 'e');
+  EXPECT_EQ(shown(begin + end), begin + end);
+  EXPECT_EQ(shown(begin + std::string(1000000, 'm') + end), begin + "..." + end);
+  std::string letters;
+  for (int i = 0; i < 1000; ++i) letters += "\xe9\xaa\xa8";
+  EXPECT_EQ(shown(letters + "x").find("\\x"), std::string::npos);  // no half characters
+  EXPECT_LE(shown(std::string(1000, '\x80')).size(), 4 * 83u);
+}
+
+TEST(Names, MessagesAreNoLongerThanAPage) {
+  const std::string name(1000000, 'm'), text = "surface \"" + name + "\" lies on \"femur\": draw it again";
+  EXPECT_EQ(message_line(text), "surface " + in_quotes(name) + " lies on \"femur\": draw it again");
+  std::string quotes;
+  for (int i = 0; i < 100000; ++i) quotes += "a\"";
+  EXPECT_LT(message_line(quotes).size(), 5000u);
+  const std::string much = "contacts " + name_list(std::vector<std::string>(40, std::string(40, 'n')), "", 40);
+  EXPECT_EQ(message_line(much), much);  // long because there is much to say
 }
 
 TEST(Names, FreeNameCountsOn) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 #include "views/compare/quantities.h"
@@ -228,9 +229,9 @@ TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
 std::string surface_title(const ComparedSurface& s) {
   const bool one =
       std::all_of(s.names.begin(), s.names.end(), [&](const std::string& n) { return n == s.names.front(); });
-  if (one) return s.names.front();
+  if (one) return shown(s.names.front());
   std::string text;
-  for (const std::string& n : s.names) text += fmt::format("{}{}", text.empty() ? "" : " = ", n);
+  for (const std::string& n : s.names) text += fmt::format("{}{}", text.empty() ? "" : " = ", shown(n));
   return text;
 }
 
@@ -265,7 +266,7 @@ void add_surface(const Comparison& c, const ComparedSurface& surface, bool detai
       remarks += fmt::format("; {} projected onto the mesh of {}", c.labels[i], c.labels.back());
   if (c.areas == CompareAreas::Deformed) remarks += "; deformed areas";
   for (const ComparedRegion& region : surface.regions) {
-    const std::string rest = region.name.empty() ? remarks : fmt::format(", region {}", region.name);
+    const std::string rest = region.name.empty() ? remarks : fmt::format(", region {}", shown(region.name));
     tables.push_back(
         {fmt::format("surface {}{}", surface_title(surface), rest), region_table(c, surface, region, details)});
     tables.push_back({"", pattern_table(c, region)});
@@ -284,11 +285,10 @@ std::vector<TitledTable> compare_tables(const Comparison& c, bool details) {
     if (surface.asked_for)
       add_surface(c, surface, details, tables);
     else
-      tables.push_back(
-          {fmt::format("surface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; "
-                       "JSON and CSV have them)",
-                       surface_title(surface), surface.names.front()),
-           {}});
+      tables.push_back({fmt::format("surface {}: not every file has pressure on it (--surface {} shows the numbers; "
+                                    "JSON and CSV have them)",
+                                    surface_title(surface), in_quotes(surface.names.front())),
+                        {}});
   }
   if (!c.bodies.empty()) tables.push_back({"", bodies_table(c)});
   return tables;

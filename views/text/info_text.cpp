@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
@@ -12,7 +13,6 @@
 #include "src/run/recognise.h"
 #include "views/text/info_words.h"
 #include "views/text/run_text.h"
-#include "views/text/words.h"
 
 namespace dea {
 
@@ -28,12 +28,12 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
     }
     if (!body.moved_by.empty()) {
       text += fmt::format("  {}: nodes that are moved together, a bone that the model leaves out; middle {}\n",
-                          body.name, vector_text(body.center_of_mass));
+                          shown(body.name), vector_text(body.center_of_mass));
       continue;
     }
     std::string materials;
     for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + in_quotes(model.materials[at(m)].name);
-    text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name,
+    text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", shown(body.name),
                         body.materials.size() > 1 ? "s" : "", materials, vector_text(body.center_of_mass),
                         body.center_given ? "given"
                         : body.mass > 0   ? "integrated from its elements"
@@ -63,7 +63,7 @@ std::string rim_text(const SideCheck& side) {
 
 /// " (given, times 0.8)"; measured and not scaled: "".
 std::string thickness_origin(const Layer& layer) {
-  std::string text = !layer.thickness_from.empty() ? "from " + layer.thickness_from
+  std::string text = !layer.thickness_from.empty() ? "from " + shown(layer.thickness_from)
                      : layer.thickness_given       ? "given"
                                                    : "";
   if (layer.thickness_scale != 1.0)
@@ -92,7 +92,8 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
                     pressure = unit_behind(model, Dimension::Pressure);
   std::string text = fmt::format("    {}: surface {}, {} facets, area {}{}\n", role, in_quotes(surface.name),
                                  surface.size(), number_text(side.area), area);
-  text += fmt::format("      body {}: {}\n", check.joint.bodies[at(layer.body)].name, layer.attached_by);
+  text += fmt::format("      body {}: {}\n", shown(check.joint.bodies[at(layer.body)].name),
+                      message_line(layer.attached_by));
   if (layer.rigid) {
     text += "      bare rigid surface, no cartilage\n";
   } else {
@@ -100,7 +101,7 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
     const std::string material = layer.material < 0
                                      ? std::string("given")
                                      : fmt::format("{} ({})", in_quotes(model.materials[at(layer.material)].name),
-                                                   model.materials[at(layer.material)].type);
+                                                   shown(model.materials[at(layer.material)].type));
     text +=
         fmt::format("      cartilage: material {}, E {}{}, nu {}, confined modulus {}{}\n", material, number_text(e.E),
                     pressure, number_text(e.nu), number_text(confined_modulus(e.E, e.nu)), pressure);
@@ -126,10 +127,10 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
     const ContactCheck& found = check.contacts[c];
-    text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", in_quotes(pair.name),
-                        model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
-                        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
-                        step_words(pair.step));
+    text += fmt::format(
+        "  {}: type {}, springs on {} ({}, {}), law {}{}\n", in_quotes(pair.name),
+        shown(model.contacts[at(pair.contact)].type), shown(check.joint.bodies[at(pair.source_layer().body)].name),
+        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law), step_words(pair.step));
     text += fmt::format("    law {}: {}\n", name(pair.law), law_origin(model.contacts[at(pair.contact)], settings));
     for (int side = 0; side < 2; ++side)
       text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
@@ -210,25 +211,26 @@ std::string ligament_text(const Joint& joint, const Ligament& l) {
           fmt::format("force {}{}", number_text(l.scale.factor), l.scale.controller >= 0 ? " times a load curve" : "");
       break;
   }
-  return fmt::format("  {}: {} {} to {} {}, {}{}\n", in_quotes(l.name), joint.bodies[at(l.body_a)].name,
-                     vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law,
+  return fmt::format("  {}: {} {} to {} {}, {}{}\n", in_quotes(l.name), shown(joint.bodies[at(l.body_a)].name),
+                     vector_text(l.point_a), shown(joint.bodies[at(l.body_b)].name), vector_text(l.point_b), law,
                      step_words(l.step));
 }
 
 std::string cable_text(const Joint& joint, const Cable& c) {
   std::string points;
   for (const Cable::Point& p : c.points)
-    points +=
-        fmt::format("{}{} {}", points.empty() ? "" : ", ", joint.bodies[at(p.body)].name, vector_text(p.position));
+    points += fmt::format("{}{} {}", points.empty() ? "" : ", ", shown(joint.bodies[at(p.body)].name),
+                          vector_text(p.position));
   return fmt::format("  cable {}: {}; then along {}; tension {}{}{}\n", in_quotes(c.name), points,
                      vector_text(c.direction), number_text(c.force.factor),
                      c.force.controller >= 0 ? " times a load curve" : "", step_words(c.step));
 }
 
 std::string connector_text(const Joint& joint, const Connector& c) {
-  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", in_quotes(c.name), c.type,
-                                 joint.bodies[at(c.body_a)].name, joint.bodies[at(c.body_b)].name, vector_text(c.point),
-                                 vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
+  std::string text =
+      fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", in_quotes(c.name), shown(c.type),
+                  shown(joint.bodies[at(c.body_a)].name), shown(joint.bodies[at(c.body_b)].name), vector_text(c.point),
+                  vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
   for (int k = 0; k < kDofs; ++k)
     text += fmt::format("{} {} {} {}", k ? "," : "", k < 3 ? "along" : "about", k % 3 + 1, word(c.motion[at(k)]));
   return text + step_words(c.step) + "\n";
@@ -247,7 +249,8 @@ std::string rows_text(const JointModel& model, const Settings& settings, const J
   std::string text = "  in every row of the table:\n";
   for (int b : reported_bodies(check.joint)) {
     if (check.joint.bodies[at(b)].ground) continue;
-    text += fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, row_conditions_text(model, settings, check, b));
+    text += fmt::format("    {}: {}\n", shown(check.joint.bodies[at(b)].name),
+                        row_conditions_text(model, settings, check, b));
   }
   return text;
 }
@@ -263,12 +266,12 @@ std::string steps_text(const JointCheck& check, const Settings& settings) {
       continue;
     }
     text += fmt::format("  step {}{}: time {} to {}, step size {}, {}:\n", s + 1,
-                        step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), time_text(step.start),
-                        time_text(step.end), number_text(step.step_size), states_words(step, settings));
+                        step.name.empty() ? "" : " " + in_quotes(step.name), time_text(step.start), time_text(step.end),
+                        number_text(step.step_size), states_words(step, settings));
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
-      text +=
-          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.load_case.bodies[at(b)]));
+      text += fmt::format("    {}: {}\n", shown(check.joint.bodies[at(b)].name),
+                          conditions_text(step.load_case.bodies[at(b)]));
     }
   }
   return text;
@@ -290,8 +293,9 @@ std::string load_points_text(const JointModel& model, const Settings& settings, 
   for (const auto& entry : settings.load_at) {
     if (!entry.second.sphere_center) continue;
     const LoadPointFound found = find_load_point(joint, joint.find_body(model, entry.first), entry.second);
-    text += fmt::format("  force on {} acts at the centre of its sphere {}, radius {}, rms distance {}\n", entry.first,
-                        vector_text(found.point), number_text(found.fit.radius), number_text(found.fit.rms));
+    text += fmt::format("  force on {} acts at the centre of its sphere {}, radius {}, rms distance {}\n",
+                        shown(entry.first), vector_text(found.point), number_text(found.fit.radius),
+                        number_text(found.fit.rms));
   }
   return text;
 }
@@ -308,9 +312,9 @@ std::string times_text(const std::vector<TimePoint>& times) {
 std::string remarks_text(const JointModel& model, const Joint& joint) {
   const std::vector<std::string> remarks = coded_lines(model_findings(model, joint), command_line_wording());
   std::string text = remarks.empty() && model.unsupported.empty() ? "" : "\nremarks\n";
-  for (const std::string& line : remarks) text += "  " + line + "\n";
+  for (const std::string& line : remarks) text += "  " + message_line(line) + "\n";
   for (const Remark& r : model.unsupported)
-    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
+    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), message_line(r.what),
                         r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
   return text;
 }
@@ -333,7 +337,7 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
             load_points_text(model, settings, check.joint);
   text += times_text(check.times) + remarks_text(model, check.joint);
   if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
-  for (const Fault& fault : check.errors) text += "  " + line(fault, command_line_wording()) + "\n";
+  for (const Fault& fault : check.errors) text += "  " + message_line(line(fault, command_line_wording())) + "\n";
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <set>
 
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 #include "src/facts/symmetry_planes.h"
@@ -258,7 +259,7 @@ void say_loads(Methods& m, const JointModel& model, const Settings& settings, co
   if (!joint.connectors.empty()) parts.push_back(counted(joint.connectors.size(), "ideal joint", "ideal joints"));
   if (!parts.empty()) m.say(fmt::format("{} joined bodies.", listed(parts)));
   for (const auto* words : {&settings.loads.words, &settings.motion.words})
-    if (!words->empty()) m.say(fmt::format("Table: {}.", *words));
+    if (!words->empty()) m.say(fmt::format("Table: {}.", one_line(*words)));
   for (int b : reported_bodies(joint)) {
     if (joint.bodies[at(b)].ground) continue;
     m.say(fmt::format("{}, {}: {}.", check.row ? "In every row of the table" : "At the end of the last step",

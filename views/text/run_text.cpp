@@ -8,6 +8,7 @@
 #include <set>
 
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 
@@ -72,7 +73,7 @@ std::string laws_text(const Joint& joint) {
   for (const ContactPair& pair : joint.contacts) different.insert(law_text(pair));
   if (different.size() == 1) return *different.begin() + "\n";
   std::string text;
-  for (const ContactPair& pair : joint.contacts) text += fmt::format("{}: {}\n", pair.name, law_text(pair));
+  for (const ContactPair& pair : joint.contacts) text += fmt::format("{}: {}\n", shown(pair.name), law_text(pair));
   return text;
 }
 
@@ -295,7 +296,7 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
   const UnitNames units = unit_names(model.units);
   const auto pressure = [&](const char* name) { return with_unit(name, units, Dimension::Pressure); };
   for (const Convergence& study : studies) {
-    text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
+    text += fmt::format("\ncontact {}, last state; changes against the row above\n", in_quotes(study.contact));
     Table table;
     table.headings = {"refine"};
     for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));

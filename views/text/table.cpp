@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/names.h"
 #include "src/results/headline.h"
 
 namespace dea {
@@ -39,7 +40,11 @@ std::string vector_text(const Eigen::Vector3d& v) {
 
 std::string four_digits(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
 
-std::string table_text(const Table& table) {
+std::string table_text(const Table& of) {
+  Table table = of;
+  for (std::string& h : table.headings) h = shown(h);
+  for (auto& row : table.rows)
+    for (std::string& cell : row) cell = shown(cell);
   std::vector<std::size_t> widths;
   for (const std::string& h : table.headings) widths.push_back(width(h));
   for (const auto& row : table.rows)

@@ -9,7 +9,8 @@
 
 namespace dea {
 
-/// Cells under headings; columns as wide as they need, all but those of words aligned to the right.
+/// Cells under headings; columns as wide as they need, all but those of words aligned to the right. Cells
+/// are shown as names are (names.h).
 struct Table {
   std::vector<std::string> headings;
   std::string left;  ///< per column: 'l' for words, 'r' for numbers

@@ -1,10 +1,6 @@
 #include "views/text/words.h"
 
-#include <fmt/format.h>
-
 namespace dea {
-
-std::string in_quotes(const std::string& name) { return fmt::format("\"{}\"", name); }
 
 std::string listed(const std::vector<std::string>& words) {
   std::string text;

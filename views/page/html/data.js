@@ -242,9 +242,10 @@ function makeSection(id, title, ...children) {
   document.getElementById("main").append(s);
   return s;
 }
-// A table as CSV; what is not there is an empty cell.
+// A table as CSV; what is not there is an empty cell; a ' stands before what a spreadsheet would take for a formula.
 function csvText(t) {
-  const cell = (x) => { const s = x === null || x === undefined || Number.isNaN(x) ? "" : String(x); return /[",\n\r]/.test(s) ? `"${s.replaceAll('"', '""')}"` : s; };
+  const formula = /^([=@].|[+-](?![\d.,eE+%\s-]*$))/;
+  const cell = (x) => { let s = x === null || x === undefined || Number.isNaN(x) ? "" : String(x); if (formula.test(s)) s = "'" + s; return /[",\n\r]/.test(s) ? `"${s.replaceAll('"', '""')}"` : s; };
   return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
 }
 function saveCsv(t, id) { Figures.save(new Blob([csvText(t)], { type: "text/csv" }), fileName(id) + ".csv"); }
