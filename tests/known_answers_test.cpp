@@ -15,6 +15,7 @@
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"
+#include "tests/findings.h"
 #include "tests/program.h"
 #include "tests/src/test_models.h"
 
@@ -211,7 +212,7 @@ TEST(KnownAnswers, ContactsSideBySideThatPressUnevenlyAreTold) {
     EXPECT_EQ(left.uneven->other, 1);
     EXPECT_EQ(parts.model.surfaces[at(left.uneven->surface)].name, "left");
     EXPECT_GT(left.uneven->own, 4 * left.uneven->beyond);
-    const std::vector<std::string> lines = result_remarks(parts.model, parts.analysis);
+    const std::vector<std::string> lines = dea::lines(test::findings_of(parts.model, parts.analysis));
     EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
                             [](const std::string& line) {
                               return line.rfind("warning: contact \"left\": at time 1 it presses surface \"left\"",
@@ -244,7 +245,7 @@ TEST(KnownAnswers, ASelectionThatEndsUnderPressureIsTold) {
     test::add_contact(model, "press", slab.layer, slab.indenter);
     const Analysis analysis = analyse(model, slab.settings);
     const StateResult& state = analysis.states.back();
-    const int lines = static_cast<int>(result_remarks(model, analysis).size());
+    const int lines = static_cast<int>(dea::lines(test::findings_of(model, analysis)).size());
     return std::pair(pressed_end_of_selection(analysis.joint.contacts[0].layers[0], state.fields[0].sides[0].pressure,
                                               0.2 * state.statistics[0].peak),
                      lines);
@@ -406,7 +407,7 @@ Told told(const Pressed& pressed, bool layer_first = true) {
                     layer_first ? pressed.indenter : pressed.layer);
   Told t;
   t.analysis = analyse(model, pressed.settings);
-  t.text = fmt::format("{}", fmt::join(run_remarks(model, t.analysis), "\n"));
+  t.text = fmt::format("{}", fmt::join(dea::lines(t.analysis.findings), "\n"));
   return t;
 }
 
@@ -616,7 +617,7 @@ TEST(KnownAnswers, ABareSurfaceThatEndsWithTheCartilageIsNotTold) {
   test::prescribe(model, 2, 2, -0.05);
   const Analysis analysis = analyse(model, {});
   EXPECT_GT(analysis.states.back().statistics[0].peak, 0);
-  for (const std::string& line : result_remarks(model, analysis))
+  for (const std::string& line : dea::lines(test::findings_of(model, analysis)))
     EXPECT_EQ(line.find("bare surface"), std::string::npos) << line;
 }
 
@@ -744,11 +745,11 @@ TEST(Remarks, NormalsThatMissAreTold) {
   Layer& ball = joint.contacts[0].layers[1];
   ball.missed = {1, 1, 1, 0};
   ball.mirror = {1, 0, 3, 0};
-  ASSERT_EQ(model_remarks(model, joint).size(), 1u);
-  EXPECT_NE(model_remarks(model, joint)[0].find("surface \"ball\": at 3 of 4 vertices"), std::string::npos)
-      << model_remarks(model, joint)[0];
+  ASSERT_EQ(dea::lines(model_findings(model, joint)).size(), 1u);
+  EXPECT_NE(dea::lines(model_findings(model, joint))[0].find("surface \"ball\": at 3 of 4 vertices"), std::string::npos)
+      << dea::lines(model_findings(model, joint))[0];
   ball.missed = {0, 0, 0, 0};
-  EXPECT_TRUE(model_remarks(model, joint).empty());
+  EXPECT_TRUE(dea::lines(model_findings(model, joint)).empty());
 }
 
 }  // namespace dea::known_answers_test

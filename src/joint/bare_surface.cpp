@@ -117,7 +117,7 @@ std::vector<std::vector<Beside>> facets_beside(const ContactSide& in, const std:
 }
 
 /// Facets of one piece, from a first one on whose sense is known.
-struct Piece {
+struct FacePiece {
   std::vector<int> facets;
   bool on_solids = false;
 };
@@ -128,7 +128,7 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
   const auto beside = facets_beside(in, on_shell, surface);
   if (surface.fault) return;
   std::vector<char> known(on_shell.size(), 0);
-  const auto follow = [&](Piece& piece) {
+  const auto follow = [&](FacePiece& piece) {
     for (std::size_t i = 0; i < piece.facets.size(); ++i) {
       const int f = piece.facets[i];
       for (const Beside& next : beside[at(f)]) {
@@ -143,7 +143,7 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
       }
     }
   };
-  Piece solids;
+  FacePiece solids;
   solids.on_solids = true;
   for (int f = 0; f < surface.facets.size(); ++f)
     if (!on_shell[at(f)]) {
@@ -154,7 +154,7 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
   for (int f = 0; f < surface.facets.size(); ++f) {
     if (known[at(f)]) continue;
     known[at(f)] = 1;
-    Piece piece;
+    FacePiece piece;
     piece.facets = {f};
     follow(piece);
     double turned = 0.0;  // area, less that of the others

@@ -20,7 +20,7 @@ std::string listed(const std::vector<std::string>& names, const std::string& for
                         i == 0                                       ? ""
                         : i + 1 == names.size() && format != "comma" ? " and "
                                                                      : ", ",
-                        mark, names[i], mark);
+                        mark, shown(names[i]), mark);
   return text;
 }
 
@@ -70,9 +70,9 @@ std::string text_of(const Finding& finding, const Slot& slot, const Wording& wor
   for (const NamedValue& v : finding.values)
     if (v.name == slot.name) return std::visit(ValueText{slot, wording}, v.value.is);
   const Subject& s = finding.subject;
-  if (slot.name == "contact") return s.contact;
-  if (slot.name == "surface") return s.surface;
-  if (slot.name == "body") return s.body;
+  if (slot.name == "contact") return shown(s.contact);
+  if (slot.name == "surface") return shown(s.surface);
+  if (slot.name == "body") return shown(s.body);
   if (slot.name == "time" && s.time) return time_text(*s.time);
   assert(!"a rule's words name what its finding has not");
   return "";

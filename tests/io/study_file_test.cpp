@@ -40,7 +40,8 @@ CaseResult result_of(std::size_t number, int states = 2) {
   r.contacts = {{"hip", "pelvis", "femur", {"front", "back"}}};
   r.bodies = {"pelvis", "femur"};
   r.surfaces = {{"socket", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}}, {{0, 1, 2}}}};
-  r.warnings = {"one", "two; with a 'quote'"};
+  r.warnings = {{"passed-through", {.contact = "with a 'quote'", .time = 1}},
+                {"tiny-load", {}, {{"force", 2.5}, {"ratio", 1e-6}}}};
   r.seconds = 0.25;
   for (int s = 0; s < states; ++s) {
     CaseState state;
@@ -176,7 +177,9 @@ TEST_F(StudyFile, OtherProgramsFindItEasy) {
   EXPECT_EQ(query(path, "SELECT headline_p99 FROM results WHERE tilt = 1 AND shape = 'layer' AND state = 2"), "7.0");
   EXPECT_EQ(query(path, "SELECT typeof(headline_peak) FROM statistics"), "null");
   EXPECT_EQ(query(path, "SELECT typeof(springs) FROM statistics"), "integer");
-  EXPECT_EQ(query(path, "SELECT warnings FROM results"), "one; two; with a 'quote'");
+  EXPECT_EQ(query(path, "SELECT warnings FROM results"), worded(result(1).warnings[0]) + "; " + worded(result(1).warnings[1]));
+  EXPECT_EQ(query(path, "SELECT contact FROM warnings WHERE code = 'passed-through'"), "with a 'quote'");
+  EXPECT_EQ(query(path, "SELECT json_extract(numbers, '$.force') FROM warnings WHERE code = 'tiny-load'"), "2.5");
   EXPECT_EQ(query(path, "SELECT rotation_z FROM poses WHERE body = 'femur'"), "0.5");
   EXPECT_EQ(query(path, "SELECT moment_z FROM poses WHERE body = 'femur'"), "4.0");
   EXPECT_EQ(query(path, "SELECT part FROM part_results WHERE center_of_pressure_z = 6"), "front");

@@ -5,6 +5,7 @@
 #include "src/base/error.h"
 #include "src/run/analysis.h"
 #include "src/run/check.h"
+#include "tests/findings.h"
 #include "tests/src/test_models.h"
 
 namespace dea::given_thickness_test {
@@ -247,12 +248,10 @@ TEST(ThicknessFrom, NodesThatAreNotOnTheSurfaceAreCounted) {
   s.thickness_from["layer"].at_node[model.node_ids[0]] = 7;  // of the bone
   const Joint joint = make_joint(model, s);
   EXPECT_NEAR(joint.contacts[0].layers[0].max_thickness(), kThick, 1e-12);
-  bool told = false;
-  for (const Sentence& finding : joint.findings)
-    told = told || finding.text ==
-                       "surface \"layer\": thickness from said.csv, 49 nodes; 2 of the file's nodes are not on it and "
-                       "passed over";
-  EXPECT_TRUE(told);
+  const Findings told = of_code(joint.findings, "thickness-from-file");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(test::number(told[0], "nodes"), 49);
+  EXPECT_EQ(test::number(told[0], "passed_over"), 2);
 }
 
 TEST(ThicknessFrom, Refusals) {

@@ -1,6 +1,7 @@
 // Numbers of springs, muscles and forces in place of the model's: answers on paper, the same as in the model itself,
 // and what is refused.
 #include "src/joint/given_values.h"
+#include "tests/findings.h"
 
 #include <gtest/gtest.h>
 
@@ -71,9 +72,8 @@ std::string refusal(const JointModel& model, const Settings& settings) {
 
 /// The sentence of the only number that is set.
 std::string words(const JointModel& model, const Settings& settings) {
-  for (const Sentence& finding : make_joint(model, settings).findings)
-    if (finding.text.rfind("set: ", 0) == 0) return worded(finding, plain_wording());
-  return "nothing said";
+  const Findings told = of_code(make_joint(model, settings).findings, "value-set");
+  return told.empty() ? "nothing said" : worded(told.front());
 }
 
 // A spring alone carries the load: k (L - L0) = F, and L = 40 + z.

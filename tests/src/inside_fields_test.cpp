@@ -1,5 +1,6 @@
 // Stress and strain of a model's elements.
 #include "src/results/inside_fields.h"
+#include "tests/findings.h"
 
 #include <gtest/gtest.h>
 
@@ -31,9 +32,7 @@ Matrix3d tensor(const SymmetricTensor& t) {
 double far_off(const SymmetricTensor& a, const Matrix3d& b) { return (tensor(a) - b).norm(); }
 
 bool said(const Analysis& analysis, const std::string& what) {
-  for (const Sentence& s : analysis.joint.findings)
-    if (s.text.find(what) != std::string::npos) return true;
-  return false;
+  return test::words_of(analysis.joint.findings).find(what) != std::string::npos;
 }
 
 /// A wide layer under a plate, squeezed by a tenth: far from its edges it is confined.

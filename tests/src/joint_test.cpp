@@ -1,4 +1,5 @@
 #include "src/joint/joint.h"
+#include "tests/findings.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -47,11 +48,15 @@ JointModel floating_layer(double h) {
   return model;
 }
 
+std::vector<std::string> names_in(const Finding& finding, const char* value) {
+  return test::value_of<std::vector<std::string>>(finding, value);
+}
+
+bool told_of(const Joint& joint, const char* code) { return !of_code(joint.findings, code).empty(); }
+
 /// Is there a finding with this text?
 bool told(const JointModel& model, const std::string& text, const Settings& settings = {}) {
-  for (const Sentence& finding : make_joint(model, settings).findings)
-    if (finding.text.find(text) != std::string::npos) return true;
-  return false;
+  return test::words_of(make_joint(model, settings).findings).find(text) != std::string::npos;
 }
 
 void tie(JointModel& model, int primary, int secondary) {
@@ -90,15 +95,16 @@ TEST(Recognition, TiesThatFebioClosesAreTold) {
     model.contacts.back().type = closes ? "tied-node-on-facet" : "tied-elastic";
     model.contacts.back().closes_gap = closes;
     for (const int node : nodes_of_surface(model.surfaces[2])) model.nodes[static_cast<std::size_t>(node)].z() -= gap;
-    return make_joint(model, {}).doubts;
+    return of_code(make_joint(model, {}).findings, "tie-closes-gap");
   };
   EXPECT_TRUE(doubts(0, true).empty());
   EXPECT_TRUE(doubts(0.05, false).empty());
   for (const double gap : {0.05, -0.05}) {
-    const std::vector<std::string> told = doubts(gap, true);
+    const Findings told = doubts(gap, true);
     ASSERT_EQ(told.size(), 1u);
-    EXPECT_EQ(told[0].rfind("contact \"tie\" of type tied-node-on-facet: FEBio pulls the ", 0), 0u) << told[0];
-    EXPECT_NE(told[0].find("over gaps or overlaps of 0.05 on average (0.05 at most)"), std::string::npos) << told[0];
+    EXPECT_EQ(told[0].subject.contact, "tie");
+    EXPECT_NEAR(test::number(told[0], "mean"), 0.05, 1e-12);
+    EXPECT_NEAR(test::number(told[0], "most"), 0.05, 1e-12);
   }
 }
 
@@ -167,14 +173,14 @@ TEST(Recognition, DeformablePartsBetweenBodiesAreTold) {
   const int base = 1, plate = 2;
   const int ligament = add_material(model, "ligament", false);
   add_cube(model, "fat", ligament, {20, 0, 0}, base, -1);
-  EXPECT_TRUE(make_joint(model, {}).unmodelled.empty());  // hangs on one bone
+  EXPECT_TRUE(of_code(make_joint(model, {}).findings, "part-not-modelled").empty());  // hangs on one bone
   add_cube(model, "medial", ligament, {30, 0, 0}, base, plate);
   add_cube(model, "lateral", ligament, {40, 0, 0}, base, plate);
-  const std::vector<UnmodelledPart> found = make_joint(model, {}).unmodelled;
+  const Findings found = of_code(make_joint(model, {}).findings, "part-not-modelled");
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].names, (std::vector<std::string>{"medial", "lateral"}));
-  EXPECT_EQ(found[0].elements, 2);
-  EXPECT_EQ(found[0].bodies.size(), 2u);
+  EXPECT_EQ(names_in(found[0], "parts"), (std::vector<std::string>{"medial", "lateral"}));
+  EXPECT_EQ(test::number(found[0], "elements"), 2);
+  EXPECT_EQ(names_in(found[0], "bodies").size(), 2u);
   // a truss from the fat's free corner to the plate: a chain of two
   Domain truss;
   truss.name = "truss";
@@ -186,12 +192,14 @@ TEST(Recognition, DeformablePartsBetweenBodiesAreTold) {
     if (d.name == "medial") truss.nodes.push_back(d.nodes.back());
   }
   model.domains.push_back(truss);
-  EXPECT_EQ(make_joint(model, {}).unmodelled[0].names, (std::vector<std::string>{"medial", "lateral", "fat", "truss"}));
+  EXPECT_EQ(names_in(of_code(make_joint(model, {}).findings, "part-not-modelled")[0], "parts"),
+            (std::vector<std::string>{"medial", "lateral", "fat", "truss"}));
   // one from the layer itself to the plate
   truss.name = "string";
   truss.nodes = {model.surfaces[0].nodes[0], model.surfaces[1].nodes[0]};
   model.domains.push_back(truss);
-  const std::vector<std::string> names = make_joint(model, {}).unmodelled[0].names;
+  const std::vector<std::string> names =
+      names_in(of_code(make_joint(model, {}).findings, "part-not-modelled")[0], "parts");
   EXPECT_EQ(std::count(names.begin(), names.end(), "string"), 1);
 }
 
@@ -205,14 +213,14 @@ TEST(Recognition, PartsBetweenABodyAndHeldNodesAreTold) {
   for (int k = 1; k <= 4; ++k) held.nodes.push_back(static_cast<int>(model.nodes.size()) - k);
   held.xyz = {false, false, true};
   model.fixed_nodes.push_back(held);
-  const auto found = [&] { return make_joint(model, {}).unmodelled; };
+  const auto found = [&] { return of_code(make_joint(model, {}).findings, "part-not-modelled"); };
   ASSERT_EQ(found().size(), 1u);
-  EXPECT_EQ(found()[0].names, std::vector<std::string>{"pad"});
-  EXPECT_EQ(found()[0].bodies, (std::vector<int>{make_joint(model, {}).body_of(plate)}));
-  EXPECT_EQ(found()[0].held, 4u);
+  EXPECT_EQ(names_in(found()[0], "parts"), std::vector<std::string>{"pad"});
+  EXPECT_EQ(names_in(found()[0], "bodies"), std::vector<std::string>{"plate"});
+  EXPECT_EQ(names_in(found()[0], "components"), std::vector<std::string>{"z"});
   Settings along;
   along.free["plate"] = {true, true, false, false, false, true};
-  EXPECT_TRUE(make_joint(model, along).unmodelled.empty());
+  EXPECT_TRUE(of_code(make_joint(model, along).findings, "part-not-modelled").empty());
   fix(model, plate, {false, false, false, true, true, false});
   EXPECT_EQ(found().size(), 1u);
   prescribe(model, plate, 2, -0.1);
@@ -222,7 +230,7 @@ TEST(Recognition, PartsBetweenABodyAndHeldNodesAreTold) {
   model.steps.push_back(model.steps.back());
   EXPECT_EQ(found().size(), 1u) << "free in the second step";
   along.free["plate"] = {false, false, false, false, false, false};  // the model's prescribed motion stays
-  EXPECT_TRUE(make_joint(model, along).unmodelled.empty());
+  EXPECT_TRUE(of_code(make_joint(model, along).findings, "part-not-modelled").empty());
   model.rigid_nodes.back().material = base;
   EXPECT_TRUE(found().empty());
 }
@@ -252,7 +260,7 @@ TEST(Recognition, HoldsOfSomeStepsAreTold) {
   model.fixed_nodes = {held};
   EXPECT_TRUE(told(model, "5 nodes of deformable parts are held in x in step 2 only of the model"));
   model.fixed_nodes[0].step = -1;
-  EXPECT_FALSE(told(model, "are held in x"));
+  EXPECT_FALSE(told(model, "of deformable parts are held in x"));
   model.fixed_nodes.clear();
   const std::string ties = "contact \"tie\" ties its surfaces in step 2 only";
   EXPECT_FALSE(told(model, ties));
@@ -265,18 +273,18 @@ TEST(Recognition, TiesThatDeaDropsAreTold) {
   const int post = add_material(plates, "post", true);
   const int top = add_rigid_surface(
       plates, "post side", 2, 2, [](double u, double v) { return Vector3d(10 * u, 10 * v, 3); }, post);
-  EXPECT_TRUE(make_joint(plates, {}).dropped_ties.empty());
+  EXPECT_TRUE(of_code(make_joint(plates, {}).findings, "tie-left-out").empty());
   tie(plates, 1, top);  // the plate to the post: both are rigid
   RigidNodes set;
   set.name = "pins";
   set.material = 2;
   set.nodes = {plates.surfaces.back().nodes[0]};  // nodes of the post that are to move with the plate
   plates.rigid_nodes.push_back(set);
-  const Joint joint = make_joint(plates, {});
-  ASSERT_EQ(joint.dropped_ties.size(), 2u);
-  EXPECT_EQ(joint.dropped_ties[0].name, "contact \"tie\"");
-  EXPECT_EQ(joint.dropped_ties[0].bodies.size(), 2u);
-  EXPECT_EQ(joint.dropped_ties[1].name, "rigid node set \"pins\"");
+  const Findings dropped = of_code(make_joint(plates, {}).findings, "tie-left-out");
+  ASSERT_EQ(dropped.size(), 2u);
+  EXPECT_EQ(test::text(dropped[0], "tie"), "contact \"tie\"");
+  EXPECT_NE(dropped[0].subject.body, test::text(dropped[0], "other"));
+  EXPECT_EQ(test::text(dropped[1], "tie"), "rigid node set \"pins\"");
   // two pieces of cartilage on one bone, tied side to side
   JointModel pieces = flat_plates(2, 10, 2, 0.0);
   const auto beside = [](double z) {
@@ -284,9 +292,8 @@ TEST(Recognition, TiesThatDeaDropsAreTold) {
   };
   const int other = add_layer(pieces, "beside", 2, 2, 1, beside(-2), beside(0), 0, 1);
   tie(pieces, 0, other);
-  const Joint two = make_joint(pieces, {});
-  ASSERT_EQ(two.dropped_ties.size(), 1u);
-  EXPECT_EQ(two.dropped_ties[0].bodies.size(), 1u);
+  EXPECT_EQ(of_code(make_joint(pieces, {}).findings, "pieces-side-by-side").size(), 1u);
+  EXPECT_TRUE(of_code(make_joint(pieces, {}).findings, "tie-left-out").empty());
 }
 
 // A piece tied to bone, and to the side of a piece that shares nodes with bone: bone holds it.
@@ -467,7 +474,8 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
   zone.E = 1.1 * own.E;
   const Joint told = make_joint(model, {});
   ASSERT_EQ(told.findings.size(), 1u);
-  EXPECT_NE(told.findings[0].text.find("deep zone"), std::string::npos) << told.findings[0].text;
+  EXPECT_EQ(told.findings[0].code, "first-material-for-all");
+  EXPECT_NE(test::text(told.findings[0], "materials").find("deep zone"), std::string::npos);
   // close to 0.5 a fifth of the confined modulus is 0.0004 of nu
   zone.E = own.E;
   zone.nu = 0.4999;
@@ -476,10 +484,7 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
   // a thickness that is given leaves out what lies below, and says so
   Settings given;
   given.thickness["layer"] = 2.0;
-  const Joint thick = make_joint(model, given);
-  EXPECT_TRUE(std::any_of(thick.findings.begin(), thick.findings.end(), [](const Sentence& s) {
-    return s.text.find("\"deep zone\" of the same part is left out, as if it were rigid") != std::string::npos;
-  }));
+  EXPECT_TRUE(told_of(make_joint(model, given), "other-material-rigid"));
 }
 
 // Surfaces that share facets count these twice; surfaces side by side do not feel each other.
@@ -508,8 +513,8 @@ TEST(Recognition, ContactsThatShareALayer) {
     }
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.findings.size(), 1u);
-    EXPECT_NE(joint.findings[0].text.find("side by side"), std::string::npos) << joint.findings[0].text;
-    EXPECT_FALSE(told(model, "side by side", linear()));  // springs that know nothing of each other
+    EXPECT_EQ(joint.findings[0].code, "contacts-side-by-side");
+    EXPECT_FALSE(told_of(make_joint(model, linear()), "contacts-side-by-side"));  // springs know nothing of each other
   }
 }
 
@@ -562,7 +567,7 @@ TEST(Recognition, CollapsedFacetsKeepTheirSide) {
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.contacts[0].layers[0].articular.size(), 1);
     EXPECT_GT(joint.contacts[0].layers[0].articular.normals[0].z(), 0.99) << rotation;
-    EXPECT_TRUE(joint.findings.empty()) << joint.findings.front().text;
+    EXPECT_TRUE(joint.findings.empty()) << joint.findings.front().code;
   }
 }
 
@@ -596,8 +601,8 @@ TEST(Recognition, WhetherALayerIsThinIsAskedOfItsMirrorImagesToo) {
                          {7, {{0, -5}, {0, 5}}, "a strip between planes of symmetry whose half width is 5;"},
                          {30, {{0, -5}, {0, 5}, {1, -5}, {1, 5}}, ""}}) {
     std::string told;
-    for (const Sentence& finding : make_joint(plate_between_planes(c.h, c.planes), {}).findings)
-      if (finding.text.find("no thin layer") != std::string::npos) told = finding.text;
+    for (const Finding& finding : of_code(make_joint(plate_between_planes(c.h, c.planes), {}).findings, "not-thin"))
+      told = worded(finding);
     EXPECT_EQ(told.empty(), std::string(c.told).empty()) << c.h << " " << c.planes.size() << " " << told;
     EXPECT_NE(told.find(c.told), std::string::npos) << c.h << " " << c.planes.size() << " " << told;
   }
@@ -1115,8 +1120,8 @@ TEST(Planes, AreWhereAPartEndsAndIsHeld) {
   stated.contacts[0].dea->symmetry_planes = planes;
   const Joint joint = make_joint(stated, {});
   EXPECT_EQ(joint.symmetry_planes, planes);
-  EXPECT_NE(joint.findings.front().text.find("planes of symmetry, or walls without friction: x = 0, y = 0;"),
-            std::string::npos);
+  EXPECT_EQ(joint.findings.front().code, "symmetry-planes");
+  EXPECT_EQ(test::text(joint.findings.front(), "planes"), "x = 0, y = 0");
 }
 
 int node_at(const JointModel& model, const Vector3d& x) {
@@ -1136,11 +1141,12 @@ HeldQuarter held_quarter(const JointModel& model) {
   return {std::move(run.joint), std::abs(run.states.back().fields[0].sides[0].force.z())};
 }
 
-std::vector<PartEnd> ends_across(const Joint& joint, int axis) {
-  std::vector<PartEnd> ends;
-  for (const PartEnd& end : joint.contacts[0].layers[1].ends)
-    if (end.plane.axis == axis) ends.push_back(end);
-  return ends;
+/// Of this code, at planes across this axis.
+Findings told_across(const Joint& joint, const char* code, const std::string& axis) {
+  Findings found;
+  for (const Finding& f : of_code(joint.findings, code))
+    if (test::text(f, "axis") == axis) found.push_back(f);
+  return found;
 }
 
 // Rounding leaves noise on a plane: up to a thousandth of the facets it is the same plane.
@@ -1167,12 +1173,12 @@ TEST(Planes, AForgottenNodeIsHeldWithTheOthers) {
   held.erase(std::remove(held.begin(), held.end(), forgotten), held.end());
   const HeldQuarter a = held_quarter(exact), b = held_quarter(model);
   EXPECT_EQ(a.force, b.force);
-  ASSERT_EQ(ends_across(b.joint, 0).size(), 1u);
-  const PartEnd end = ends_across(b.joint, 0)[0];
-  EXPECT_EQ(end.nodes, 17 * 3);  // three rows above the bone
-  EXPECT_EQ(end.held, end.nodes - 1);
-  EXPECT_EQ(end.forgotten, std::vector<int>{forgotten});
-  EXPECT_TRUE(ends_across(a.joint, 0)[0].forgotten.empty());
+  const Findings told = told_across(b.joint, "plane-node-forgotten", "x");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(test::number(told[0], "of"), 17 * 3);  // three rows above the bone
+  EXPECT_EQ(test::number(told[0], "forgotten"), 1);
+  EXPECT_EQ(test::value_of<std::vector<int>>(told[0], "nodes"), std::vector<int>{model.node_ids[at(forgotten)]});
+  EXPECT_FALSE(told_of(a.joint, "plane-node-forgotten"));
 }
 
 // Held in y where the part ends in x: no plane, and not silent. A strip that is held in y all through is none of these.
@@ -1181,13 +1187,12 @@ TEST(Planes, HeldInTheWrongComponentIsTold) {
   std::swap(model.fixed_nodes[0].xyz[0], model.fixed_nodes[0].xyz[1]);
   const Joint joint = make_joint(model, {});
   EXPECT_EQ(joint.symmetry_planes, (std::vector<SymmetryPlane>{{1, 0.0}}));
-  ASSERT_EQ(ends_across(joint, 0).size(), 1u);
-  EXPECT_EQ(ends_across(joint, 0)[0].instead, 1);
-  EXPECT_FALSE(ends_across(joint, 0)[0].is_plane);
+  const Findings told = told_across(joint, "plane-held-across", "x");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(test::text(told[0], "instead"), "y");
   JointModel strip = ball_on_flat(2.0, true, false);
   for (std::size_t i = 0; i < strip.nodes.size(); ++i) strip.fixed_nodes[1].nodes.push_back(static_cast<int>(i));
-  const Joint of_strip = make_joint(strip, {});
-  for (const PartEnd& end : of_strip.contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
+  EXPECT_FALSE(told_of(make_joint(strip, {}), "plane-held-across"));
 }
 
 /// The model with the nodes held in `component` where `where` says so.
@@ -1225,20 +1230,18 @@ TEST(Planes, TheEndThatIsHeldInTheWrongComponentIsTold) {
         const Joint joint = make_joint(model, {});
         EXPECT_TRUE(joint.symmetry_planes.empty());
         std::vector<double> told;
-        for (const PartEnd& end : joint.contacts[0].layers[1].ends) {
-          EXPECT_EQ(end.plane.axis, 0);
-          EXPECT_EQ(end.instead, component);
-          told.push_back(end.plane.at);
+        for (const Finding& f : of_code(joint.findings, "plane-held-across")) {
+          EXPECT_EQ(test::text(f, "axis"), "x");
+          EXPECT_EQ(test::text(f, "instead"), std::string(1, "xyz"[component]));
+          told.push_back(test::number(f, "at"));
         }
         EXPECT_EQ(told, both ? (std::vector<double>{0, 8}) : std::vector<double>{0});
       }
   // Walls without friction along y: nothing else is meant
   for (const int n : {1, 4})
-    EXPECT_EQ(make_joint(held_block(8, n, 1, [](const Vector3d& x) { return x.y() == 0 || x.y() == 4; }), {})
-                  .contacts[0]
-                  .layers[1]
-                  .ends.size(),
-              2u);
+    EXPECT_FALSE(
+        told_of(make_joint(held_block(8, n, 1, [](const Vector3d& x) { return x.y() == 0 || x.y() == 4; }), {}),
+                "plane-held-across"));
 }
 
 // Held in the plane too, or inside: what the layer's law has no place for, and the corners of two planes are no such.
@@ -1246,7 +1249,8 @@ TEST(Planes, NodesHeldWhereNoPlaneIsAreTold) {
   const auto found = [](const JointModel& model) {
     std::vector<std::pair<int, std::size_t>> all;
     const Joint joint = make_joint(model, {});
-    for (const HeldNodes& h : joint.contacts[0].layers[1].held_elsewhere) all.emplace_back(h.component, h.nodes.size());
+    for (const Finding& f : of_code(joint.findings, "held-in-no-plane"))
+      all.emplace_back(test::text(f, "component")[0] - 'x', test::value_of<std::vector<int>>(f, "nodes").size());
     return all;
   };
   using Found = std::vector<std::pair<int, std::size_t>>;
@@ -1279,17 +1283,17 @@ TEST(Recognition, APressedFaceThatIsHeldIsTold) {
     model.rigid_nodes.push_back(glue);
     Settings settings;
     if (!attach.empty()) settings.attach["layer"] = attach;
-    return make_joint(model, settings).contacts[0].layers[1].held_face;
+    return of_code(make_joint(model, settings).findings, "held-in-layer");
   };
   const auto on_top = [](const Vector3d& x) { return x.z() == 0; };
   ASSERT_EQ(found(on_top, 1).size(), 1u);
-  EXPECT_TRUE(found(on_top, 1)[0].on_face);
-  EXPECT_EQ(found(on_top, 1)[0].nodes.size(), 25u);
+  EXPECT_EQ(found(on_top, 1)[0].form, 0) << "on its face";
+  EXPECT_EQ(test::value_of<std::vector<int>>(found(on_top, 1)[0], "nodes").size(), 25u);
   EXPECT_TRUE(found([](const Vector3d& x) { return x.x() == 0; }, 1).empty());
-  const std::vector<HeldFace> by_plate = found([](const Vector3d& x) { return x.x() == 8 && x.z() > -0.9; }, 2, "bone");
+  const Findings by_plate = found([](const Vector3d& x) { return x.x() == 8 && x.z() > -0.9; }, 2, "bone");
   ASSERT_EQ(by_plate.size(), 1u);
-  EXPECT_FALSE(by_plate[0].on_face);
-  EXPECT_EQ(by_plate[0].nodes.size(), 14u);
+  EXPECT_EQ(by_plate[0].form, 1) << "anywhere in it";
+  EXPECT_EQ(test::value_of<std::vector<int>>(by_plate[0], "nodes").size(), 14u);
 }
 
 // Noise that is wider than a thousandth of the facets leaves no plane, not one of the three outermost nodes either.
@@ -1303,15 +1307,18 @@ TEST(Planes, MuchNoiseLeavesNone) {
 TEST(Planes, StepsInWhichTheyAreNotHeldAreTold) {
   JointModel model = ball_on_flat(2.0, true, false);
   model.steps.push_back(model.steps.back());
-  const auto steps = [&](int axis) { return ends_across(make_joint(model, {}), axis)[0].steps; };
-  EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
+  const auto steps = [&](const char* axis) {  // none: it is held in all
+    const Findings told = told_across(make_joint(model, {}), "plane-in-some-steps", axis);
+    return told.empty() ? std::vector<std::string>() : names_in(told[0], "held");
+  };
+  EXPECT_TRUE(steps("y").empty());
   model.fixed_nodes[1].step = 1;
-  EXPECT_EQ(steps(0), (std::vector<int>{0, 1}));
-  EXPECT_EQ(steps(1), std::vector<int>{1});
+  EXPECT_TRUE(steps("x").empty());
+  EXPECT_EQ(steps("y"), std::vector<std::string>{"2"});
   FixedNodes first = model.fixed_nodes[1];
   first.step = 0;
   model.fixed_nodes.push_back(first);
-  EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
+  EXPECT_TRUE(steps("y").empty());
 }
 
 /// A ball on a flat, pressed at a height above its centre. It may roll about x and y; slide and spin only where it is

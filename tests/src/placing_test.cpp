@@ -1,5 +1,6 @@
 // Bodies placed before they start, and rows of loads and motion: answers on paper, and the same model turned by hand.
 #include "src/joint/placing.h"
+#include "tests/findings.h"
 
 #include <gtest/gtest.h>
 
@@ -391,8 +392,7 @@ TEST(Frames, AreToldAndThoseThatAreNotThereAreRefused) {
   Settings settings = with_frame(axes);
   settings.force["ball"] = {0, 0, 1};
   settings.force_frame["ball"] = "pelvis";
-  std::string text;
-  for (const Sentence& finding : recognise(slanted(), settings).joint.findings) text += finding.text + "\n";
+  const std::string text = test::words_of(recognise(slanted(), settings).joint.findings);
   EXPECT_NE(
       text.find("frame \"pelvis\" in the model's axes: x (0.0000, -1.0000, 0.0000), y (0.0000, 0.0000, -1.0000), z "
                 "(1.0000, 0.0000, 0.0000)"),
@@ -415,8 +415,7 @@ TEST(Rows, FirstRowIsToldInGlobalAxes) {
   settings.loads.frame.body = "socket";
   settings.placements = {turned("socket", {0, 1, 0}, 90)};
   settings.rotate_about["socket"] = {TurnPoint::Kind::CenterOfMass};
-  std::string text;
-  for (const Sentence& finding : recognise(slanted(), settings).joint.findings) text += finding.text + "\n";
+  const std::string text = test::words_of(recognise(slanted(), settings).joint.findings);
   EXPECT_NE(text.find(", -100), moment"), std::string::npos) << text;
 }
 

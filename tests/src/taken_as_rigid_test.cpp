@@ -7,6 +7,7 @@
 #include "src/base/numbers.h"
 #include "src/facts/bodies.h"
 #include "src/run/analysis.h"
+#include "tests/findings.h"
 #include "tests/src/test_models.h"
 
 namespace dea::taken_as_rigid_test {
@@ -64,9 +65,7 @@ std::string refusal(const JointModel& model, const Settings& settings) {
 
 /// Is a sentence with these words among what is told of the joint?
 bool finds(const JointModel& model, const std::string& words) {
-  const Joint found = make_joint(model, plate_as_rigid());
-  return std::any_of(found.findings.begin(), found.findings.end(),
-                     [&](const Sentence& s) { return s.text.find(words) != std::string::npos; });
+  return test::words_of(make_joint(model, plate_as_rigid()).findings).find(words) != std::string::npos;
 }
 
 // Another bone of the same material, far away and held: one body of both would not move, and press with nothing.
