@@ -70,7 +70,8 @@ std::vector<TitledTable> anatomy_tables(const Anatomy& anatomy) {
 
 TitledTable layer_table(const BuildSummary& s) {
   TitledTable layers{"Cartilage [mm]",
-                     {{"layer", "way", "triangles", "area", "edge", "thickness", "mean", "most", "Jacobian", "mean"},
+                     {{"layer", "way", "triangles", "area", "mean edge", "least thickness", "mean thickness",
+                       "most thickness", "least Jacobian", "mean Jacobian"},
                       "llrrrrrrrr",
                       {}}};
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
