@@ -194,7 +194,7 @@ Table details_table(const Joint& joint, const std::vector<StateResult>& states, 
 
 Table bodies_table(const Joint& joint, const Equilibrium& e, const UnitNames& units) {
   Table table;
-  table.headings = {"body", with_unit("translation", units, Dimension::Length), "rotation",
+  table.headings = {"body", with_unit("translation", units, Dimension::Length), "rotation [rad]",
                     with_unit("force", units, Dimension::Force), with_unit("moment", units, Dimension::Moment)};
   table.left = "lllll";
   double farthest = 0.0, strongest = 0.0, turning = 0.0;
@@ -236,7 +236,7 @@ Table connectors_table(const Joint& joint, const Equilibrium& e, const UnitNames
                     with_unit("force", units, Dimension::Force),
                     with_unit("moment", units, Dimension::Moment),
                     with_unit("translation", units, Dimension::Length),
-                    "rotation"};
+                    "rotation [rad]"};
   table.left = "llllll";
   double largest = 0.0, reach = 0.0;
   for (const Vector6& f : e.connector_force)
