@@ -105,7 +105,6 @@ void write_page(const BuildArguments& a, const BuildSummary& summary, const Buil
   for (const NamedPath& file : inputs.files) page.files.push_back(file.path);
   page.files.push_back(a.output);
   page.files.push_back(a.report);
-  if (summary.anatomy.hip) page.hip_figure = hip_picture(*summary.anatomy.hip, PictureFormat::Svg);
   write_build_page(a.report, page);
 }
 

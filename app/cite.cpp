@@ -22,6 +22,7 @@ states are solved. A model that dea run refuses is refused here too.
 Examples:
   dea cite hip.feb
   dea cite hip.feb --law linear --E 8 > methods.txt
+  dea cite hip.feb --bibtex > references.bib
   dea cite hip.feb --compared hip.xplt    hip.xplt: FEBio's result, with which you compared)";
 
 }  // namespace
@@ -31,6 +32,9 @@ CLI::App* add_cite(CLI::App& app, CiteArguments& a) {
       add_model_command(app, "cite", "Print a methods paragraph for a paper, with references", kCiteFooter, a.model);
   add_once(*c, "--compared", a.compared, "FEA.xplt", "Output",
            "Say that results were compared with this result of FEBio");
+  c->add_flag("--bibtex", a.bibtex,
+              "Print the program and the papers that the paragraph names, as BibTeX, instead of it")
+      ->group("Output");
   add_solving_options(*c, a.settings, a.threads, {"squash"});
   return c;
 }
@@ -51,7 +55,7 @@ int cite(const CiteArguments& a) {
   const Recognition recognition = recognise(std::move(read), settings);
   const JointCheck check = check_joint(recognition);
   throw_if_any(check.errors);
-  print(methods_text(recognition.model, settings, check, febio));
+  print(methods_text(recognition.model, settings, check, febio, a.bibtex));
   return kSolved;
 }
 

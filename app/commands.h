@@ -109,14 +109,15 @@ int compare_command(const CompareArguments& arguments);
 struct PlotArguments {
   std::vector<std::string> files, surfaces, labels;
   std::string output, animate, fps, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi,
-      columns, font_size, colour_map, text_as;
-  bool smooth = false, dark = false, quiet = false;
+      columns, font_size, colour_map, text_as, units;
+  bool smooth = false, dark = false, overwrite = false, quiet = false;
 };
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
 int plot_command(const PlotArguments& arguments);
 
 struct CiteArguments {
   std::string model, compared;
+  bool bibtex = false;
   SettingsArguments settings;
   std::string threads;
 };

@@ -60,7 +60,7 @@ Examples:
   dea compare hip_dea.xplt hip.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
   dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
 
-constexpr const char* kThirds = "anterior-superior-posterior";
+constexpr const char* kLayouts = "socket|anterior-superior-posterior|sectors=N";
 
 Vector3d direction_argument(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
@@ -88,24 +88,25 @@ CompareOptions compare_options(const CompareArguments& a) {
   for (const std::string& list : a.regions) {
     for (const std::string& name : split(list, ',')) {
       if (name.empty()) throw UsageError(fmt::format("--regions {}: found an empty name", list));
-      if (name == kThirds)
-        o.thirds = true;
-      else
+      const bool before = o.layout.any();
+      if (!read_region_layout(name, o.layout))
         o.regions.push_back(name);
+      else if (before)
+        throw UsageError(fmt::format("--regions {}: found two of {}, expected one", list, kLayouts));
     }
   }
-  if (o.thirds != !a.up.empty() || o.thirds != !a.anterior.empty())
-    throw UsageError(fmt::format("--regions {}, --up x,y,z and --anterior x,y,z go together", kThirds));
-  if (o.thirds) {
-    o.up = direction_argument("up", a.up);
-    o.anterior = direction_argument("anterior", a.anterior);
-  }
+  const bool up = !a.up.empty(), anterior = !a.anterior.empty();
+  if (o.layout.any() ? !up || (o.layout.needs_anterior() && !anterior) : up || anterior)
+    throw UsageError(fmt::format(
+        "--regions {}, --up x,y,z and --anterior x,y,z go together (sectors=N needs --up alone)", kLayouts));
+  if (up) o.up = direction_argument("up", a.up);
+  if (anterior) o.anterior = direction_argument("anterior", a.anterior);
   if (!a.dose_above.empty()) o.dose_above = number_argument("dose-above", a.dose_above);
   o.profile = a.profile;
   if (!a.axis.empty()) o.axis = direction_argument("axis", a.axis);
   if (!a.center.empty()) o.center = vector_argument("center", a.center);
-  if (!o.profile && !o.thirds && (o.axis || o.center))
-    throw UsageError(fmt::format("--axis and --center belong to --profile or --regions {}", kThirds));
+  if (!o.profile && !o.layout.any() && (o.axis || o.center))
+    throw UsageError(fmt::format("--axis and --center belong to --profile or --regions {}", kLayouts));
   if (!a.bin.empty()) {
     if (!o.profile) throw UsageError("--bin belongs to --profile");
     o.bin = number_argument("bin", a.bin);
@@ -163,15 +164,16 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
            "Also the dose: what exceeds this pressure, integrated over time");
   add_repeated(
       *c, "--regions", a.regions, "NAME,NAME", "Regions and profiles",
-      "The same numbers for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: "
-      "the thirds of a socket (Abraham et al. 2013), with --up and --anterior; may be repeated");
+      "The same numbers for facet sets, surfaces or element sets of the files; or for anterior-superior-posterior: the "
+      "thirds of a socket (Abraham et al. 2013), socket: their inner and outer halves, with --up and --anterior; or "
+      "sectors=N about its axis, with --up; may be repeated");
   add_once(*c, "--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top of the socket");
   add_once(*c, "--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front of the socket");
   c->add_flag("--profile", a.profile, "Mean pressure against the angle from an axis")->group("Regions and profiles");
   add_once(*c, "--axis", a.axis, "x,y,z", "Regions and profiles",
-           "Axis of thirds and profile [mean normal of the reference's surface]");
+           "Axis of such regions and of the profile [mean normal of the reference's surface]");
   add_once(*c, "--center", a.center, "x,y,z", "Regions and profiles",
-           "Centre of thirds and profile [that of the reference surface's sphere]");
+           "Centre of such regions and of the profile [that of the reference surface's sphere]");
   add_once(*c, "--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
   add_once(
       *c, "-o", a.output, "both.xplt", "Output",

@@ -176,6 +176,19 @@ Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
   return argument(option, text, parse_vector);
 }
 
+bool read_region_layout(const std::string& word, RegionLayout& layout) {
+  const std::string sectors = "sectors=";
+  if (word == "socket")
+    layout = {.socket = true};
+  else if (word == "anterior-superior-posterior")
+    layout = {.thirds = true};
+  else if (word.starts_with(sectors))
+    layout = {.sectors = count_argument("regions", word.substr(sectors.size()), 2, 72)};
+  else
+    return false;
+  return true;
+}
+
 UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,
                       const std::vector<std::string>& words) {
   return UsageError(fmt::format("--{} {}: {}", option, text, bad_value(text, expected, words).what()));

@@ -13,6 +13,7 @@
 #include "src/base/parse.h"
 #include "src/model/settings.h"
 #include "src/run/analysis.h"
+#include "src/study/regions.h"
 
 namespace dea {
 
@@ -72,6 +73,9 @@ int count_argument(const char* option, const std::string& text, int least, int m
 double number_argument(const char* option, const std::string& text);
 double positive_argument(const char* option, const std::string& text);
 Eigen::Vector3d vector_argument(const char* option, const std::string& text);
+
+/// Is this word of --regions one of a layout, which is then set: "socket", "anterior-superior-posterior", "sectors=6"?
+bool read_region_layout(const std::string& word, RegionLayout& layout);
 
 /// A value that is none of an option's words.
 UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,

@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
+#include "io/files/unit_names.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"
@@ -84,6 +85,7 @@ MapOptions map_options(const PlotArguments& a) {
   if (!a.up.empty()) o.up = direction("up", a.up, "a direction x,y,z that is not 0");
   if (!a.animate.empty() && o.states_option.empty()) o.states = "all";
   o.smooth = a.smooth;
+  o.labelled = !a.labels.empty();
   if (!a.low.empty()) o.low = number_argument("min", a.low);
   if (!a.high.empty()) o.high = number_argument("max", a.high);
   if (o.low && !a.minus.empty())
@@ -128,6 +130,17 @@ std::vector<std::string> labels(const PlotArguments& a) {
   return a.labels;
 }
 
+/// --units names those of a file that names none.
+void name_units(ResultFile& file, const std::string& units) {
+  if (units.empty()) return;
+  const std::vector<std::string> known = unit_systems();
+  if (std::find(known.begin(), known.end(), units) == known.end())
+    throw wrong_word("units", units, name_list(known), known);
+  if (!file.xplt.units.empty() && file.xplt.units != units)
+    throw UsageError(fmt::format("--units {}: {} is in {}; leave --units out", units, file.path, file.xplt.units));
+  file.xplt.units = units;
+}
+
 /// A picture or an animation, each under its own option's name.
 void refuse_mixed_outputs(const PlotArguments& a) {
   if (!a.animate.empty() && !a.output.empty())
@@ -170,6 +183,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
       *c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
       "Instead of one picture, show the states one after the other: a GIF, an MP4 (by ffmpeg) or a folder of PNGs");
   add_once(*c, "--fps", a.fps, "N", "Output", "States per second of --animate [12]");
+  c->add_flag("--overwrite", a.overwrite, "As without it: a picture that is there is replaced")->group("Output");
   add_quiet_flag(*c, a.quiet);
   add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
                "Surface to draw; may be repeated [the one with springs, or else with the highest pressure]");
@@ -180,6 +194,8 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_once(*c, "--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
   add_repeated(*c, "--label", a.labels, "NAME", "What",
                "Title of a file's panels, once per file in their order, then --minus [file names]");
+  add_once(*c, "--units", a.units, "SYSTEM", "What",
+           "The files' system of units, if they name none: FEBio's SI, mm-N-s, CGS, ...");
   add_once(*c, "--view", a.view, "x,y,z|unrolled", "View",
            "Direction from which the surface is seen, or unrolled [sockets: mean normal; balls: against the force]");
   add_once(*c, "--up", a.up, "x,y,z", "View", "What is up in the picture [z, or y if z is too nearly along the view]");
@@ -230,6 +246,8 @@ int plot_command(const PlotArguments& a) {
   std::vector<ResultFile> files, minus;
   for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], names[i]));
   if (!a.minus.empty()) minus.push_back(read_result(a.minus, names.back()));
+  for (std::vector<ResultFile>* some : {&files, &minus})
+    for (ResultFile& file : *some) name_units(file, a.units);
   const bool folder = !a.animate.empty() && animation.format == AnimationFormat::Folder;
   const HeldOutputs held = claim_outputs(inputs, {{a.animate.empty() ? "-o" : "--animate", output, folder}});
   const ResultFile* taken = minus.empty() ? nullptr : &minus.front();

@@ -17,8 +17,6 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kSectors = "sectors=";
-
 Vector3d direction(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
   if (!(v.norm() > 0))
@@ -28,18 +26,16 @@ Vector3d direction(const char* option, const std::string& text) {
 
 StudyRegionOptions region_options(const StudyArguments& a) {
   StudyRegionOptions o;
-  if (a.regions == "socket")
-    o.socket = true;
-  else if (a.regions.rfind(kSectors, 0) == 0)
-    o.sectors = count_argument("regions", a.regions.substr(std::string(kSectors).size()), 2, 72);
-  else if (!a.regions.empty())
-    throw wrong_word("regions", a.regions, "socket or sectors=N", {"socket", "sectors=6"});
+  if (!a.regions.empty() && !read_region_layout(a.regions, o))
+    throw wrong_word("regions", a.regions, "socket, anterior-superior-posterior or sectors=N",
+                     {"socket", "anterior-superior-posterior", "sectors=6"});
   if (!a.up.empty()) o.up = direction("up", a.up);
   if (!a.anterior.empty()) o.anterior = direction("anterior", a.anterior);
   if (!a.axis.empty()) o.axis = direction("axis", a.axis);
   if (!a.center.empty()) o.center = vector_argument("center", a.center);
   if (o.any() && !o.up) throw UsageError("--regions needs --up x,y,z, the direction to the top");
-  if (o.socket && !o.anterior) throw UsageError("--regions socket needs --anterior x,y,z, the direction to the front");
+  if (o.needs_anterior() && !o.anterior)
+    throw UsageError(fmt::format("--regions {} needs --anterior x,y,z, the direction to the front", a.regions));
   if (!o.any() && (o.anterior || o.axis || o.center))
     throw UsageError("--anterior, --axis and --center belong to --regions");
   return o;
@@ -76,8 +72,9 @@ void add_study_report_options(CLI::App& c, StudyArguments& a) {
            "Compare pairs: cases that differ in this column (values A and B) and are alike in all others");
   add_once(c, "--pair-by", a.pair_by, "COLUMN", group,
            "The only column of --subjects that must be alike in a pair, such as subject [all]");
-  add_once(c, "--regions", a.regions, "socket|sectors=N", group,
-           "Numbers by region: six of a socket, or N sectors about its axis; needs a study with --keep fields");
+  add_once(c, "--regions", a.regions, "socket|anterior-superior-posterior|sectors=N", group,
+           "Numbers by region: six of a socket, its thirds, or N sectors about its axis; needs a study with --keep "
+           "fields");
   add_once(c, "--up", a.up, "x,y,z", group, "Direction to the top; sectors begin there");
   add_once(c, "--anterior", a.anterior, "x,y,z", group, "Direction to the front");
   add_once(c, "--axis", a.axis, "x,y,z", group, "Axis of regions [mean normal of the surface]");

@@ -179,6 +179,7 @@ StudyPageOptions page_options(const py::dict& given) {
   o.pair_by = given["pair_by"].cast<std::string>();
   o.subjects = subjects_of(given["subjects"]);
   o.maps.regions.socket = given["socket"].cast<bool>();
+  o.maps.regions.thirds = given["thirds"].cast<bool>();
   o.maps.regions.sectors = given["sectors"].cast<int>();
   o.maps.regions.up = direction(given, "up");
   o.maps.regions.anterior = direction(given, "anterior");

@@ -52,6 +52,18 @@ with tempfile.TemporaryDirectory() as temporary:
     cited = run("cite", HIP, "--compared", HIP_FEBIO)
     check(cited, re.findall(r"doi: (\S+)", citation), of="dea cite, papers of CITATION.cff")
 
+    # BibTeX has an entry for each reference of the paragraph, with what CITATION.cff says of it
+    bibtex = run("cite", HIP, "--bibtex")
+    check(bibtex, [f"doi     = {{{doi}}}" for doi in re.findall(r"doi: (\S+)", citation)] + [f"version = {{{version[0]}}}"]
+          + [f"{family}, {given}" for family, given in re.findall(r"family-names: (\S+)\n *given-names: (.+)", citation)], of="dea cite --bibtex")
+    titles = re.findall(r"title: (.+)", citation)
+    if not all(title.strip('"') in bibtex.replace("{", "").replace("}", "") for title in titles):
+        faults.append(f"dea cite --bibtex: not the titles of CITATION.cff, {titles}:\n{bibtex}")
+    entries = re.findall(r"^@\w+\{(\w+),\n(?:  \w+ += \{.+\},?\n)+\}\n", bibtex, re.MULTILINE)
+    references = run("cite", HIP).split("\nReferences\n")[1].count("\n* ")
+    if len(entries) != references or bibtex.count("@") != references or bibtex.count("{") != bibtex.count("}"):
+        faults.append(f"dea cite --bibtex: entries {entries}, expected {references}, one for each reference:\n{bibtex}")
+
     # The paragraph says what dea info recognises
     plain = run("cite", HIP)
     info = json.loads(run("info", HIP, "--json", "-"))
@@ -88,6 +100,12 @@ with tempfile.TemporaryDirectory() as temporary:
     (folder / "path.csv").write_text("time,tx,ty,tz\n3,0,0,0.1\n4,0,0,0.2\n")
     held = '"pelvis": x held, y held, z held, Ru held, Rv held, Rw held'
     femur = '"femur": x free, y free, z free, Ru held, Rv held, Rw held'
+    def in_paper(text):  # what dea info says, in words of the field
+        for half in ((", ".join(f"{axis} {state}" for axis in axes), f"{word} {state}")
+                     for axes, word in ((("x", "y", "z"), "translations"), (("Ru", "Rv", "Rw"), "rotations")) for state in ("held", "free")):
+            text = text.replace(*half)
+        return re.sub(r"\b([xyz]) prescribed", r"translation along \1 prescribed", text)
+
     for table, skip, conditions, states in (
             (("--loads", gait, "--load-body", "femur"), (), f"{femur}; the load of the table {gait}.", 13),
             (("--loads", gait, "--load-body", "femur"), ("--skip-steps",), f"{femur}; the load of the table {gait}.", 13),
@@ -95,9 +113,9 @@ with tempfile.TemporaryDirectory() as temporary:
              '"femur": x prescribed by the table, y prescribed by the table, z prescribed by the table, Ru held, Rv held, Rw held; '
              f"force (432, -262, 1834); the motion of the table {folder / 'path.csv'}.", 2)):  # the model's force stays
         way = ", without walking through the model's steps." if skip else ", after the ends of the model's steps."
-        check(run("cite", HIP, *table, *skip), [f"In every row of the table, {conditions}", f"In every row of the table, {held}.",
+        check(run("cite", HIP, *table, *skip), [f"In every row of the table, {in_paper(conditions)}", f"In every row of the table, {in_paper(held)}.",
                                                f"sought in {states} states, one for each row of the table{way}"],
-              (["1834"] if gait in table else []) + ["x prescribed 0", "23 states", "last step", "cycle [%] is not"], "dea cite with a table")
+              (["1834"] if gait in table else []) + ["x prescribed 0", "23 states", "last step", "cycle [%] is not", "Ru"], "dea cite with a table")
         info = run("info", HIP, *table, *skip)
         check(info, [f"  in every row of the table:\n    {conditions[:-1]}\n".replace('"', "", 2), f"times of the {states} states\n",
                      "step size 0.05, not walked through; at its end:" if skip else "step size 0.05, solved at its end alone, on the way to the table's rows; there:"],

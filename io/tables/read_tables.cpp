@@ -466,6 +466,15 @@ void read_thickness(const JointModel& model, Settings& settings, const GivenTabl
   for (auto& entry : settings.thickness_from) read_node_thickness(model, given, entry.second);
 }
 
+std::string time_name(const std::string& table) {
+  try {
+    const NumberTable rows = read_table(table);
+    if (const int column = time_column(rows); column >= 0) return rows.names[at(column)];
+  } catch (const InputError&) {
+  }
+  return "time";
+}
+
 std::vector<NamedPath> table_files(const Settings& settings) {
   std::vector<NamedPath> files;
   const auto add = [&](const char* what, const std::string& path) {

@@ -29,6 +29,10 @@ void read_tables(const JointModel& model, Settings& settings, const GivenTables&
 /// InputError (a file's fault, with its line).
 void read_thickness(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
+/// What a table's rows are counted in, by its column of times: "cycle [%]"; "time": it has no such column, or cannot be
+/// read.
+std::string time_name(const std::string& table);
+
 /// The files that the settings name to be read, so that no output takes their place.
 std::vector<NamedPath> table_files(const Settings& settings);
 

@@ -268,13 +268,14 @@ class StudyResults:
     def report(self, path, *, group=None, pair=None, pair_by=None, regions=None, up=None, anterior=None, axis=None, center=None,
                dose_above=None, cycles_per_year=None, years=None, cycle_seconds=None):
         """Writes the study as one page for any browser, as `dea study FILE.db --report` does with the options of these
-        names; regions: "socket" or a number of sectors. Answers what is thinned on it, a list of sentences.
+        names; regions: "socket", "anterior-superior-posterior" or a number of sectors. Answers what is thinned on it, a list of sentences.
         Raises UsageError, InputError, WriteError."""
         if not os.fspath(path).lower().endswith((".html", ".htm")):
             raise usage_fault("path", f"found {os.fspath(path)!r}", "expected a name that ends in .html or .htm")
-        if regions is not None and regions != "socket" and not (isinstance(regions, int) and 2 <= regions <= 72):
-            raise usage_fault("regions", f"found {regions!r}", 'expected "socket", or a number of sectors from 2 to 72')
-        if regions is not None and (up is None or (regions == "socket" and anterior is None)):
+        words = ("socket", "anterior-superior-posterior")
+        if regions is not None and regions not in words and not (isinstance(regions, int) and 2 <= regions <= 72):
+            raise usage_fault("regions", f"found {regions!r}", 'expected "socket", "anterior-superior-posterior", or a number of sectors from 2 to 72')
+        if regions is not None and (up is None or (regions in words and anterior is None)):
             raise usage_fault("regions", "found no directions", "expected up, and for a socket anterior")
         if (cycles_per_year is None) != (years is None) or (dose_above is None and (years or cycle_seconds)):
             raise usage_fault("dose_above", "found a history of loading that is not whole",
@@ -282,7 +283,7 @@ class StudyResults:
         if pair_by and not (pair and self._subjects):
             raise usage_fault("pair_by", f"found {pair_by!r}", "expected pair with it, and read_study(..., subjects=...)")
         return _febiodea.study_report(self._path, os.fspath(path), {
-            "group": group or "", "pair": pair or "", "pair_by": pair_by or "", "subjects": self._subjects, "socket": regions == "socket",
+            "group": group or "", "pair": pair or "", "pair_by": pair_by or "", "subjects": self._subjects, "socket": regions == words[0], "thirds": regions == words[1],
             "sectors": regions if isinstance(regions, int) else 0, "up": up, "anterior": anterior, "axis": axis, "center": center,
             "dose_above": dose_above, "cycles_per_year": cycles_per_year, "years": years, "cycle_seconds": cycle_seconds})
 

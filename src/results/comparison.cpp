@@ -344,15 +344,6 @@ std::vector<int> third_of(const std::vector<Vector3d>& points, const SurfaceFram
   return third;
 }
 
-std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& frame, const Vector3d& up,
-                                const Vector3d& anterior) {
-  const std::vector<int> third = third_of(s.facet_centers, frame, up, anterior);
-  std::array<FacetMask, 3> masks;
-  for (FacetMask& mask : masks) mask.assign(third.size(), 0);
-  for (std::size_t f = 0; f < third.size(); ++f) masks[at(third[f])][f] = 1;
-  return masks;
-}
-
 std::vector<ProfileBin> pressure_profile(const ResultSurface& s, const std::vector<double>& facet_pressure,
                                          const Vector3d& axis, const Vector3d& center, double bin_degrees) {
   std::vector<ProfileBin> bins;

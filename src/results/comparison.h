@@ -126,9 +126,6 @@ SurfaceFrame surface_frame(const ResultSurface& surface);
 /// many. Throws UsageError when up and anterior span no plane across the axis.
 std::vector<int> third_of(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const Vector3d& up,
                           const Vector3d& anterior);
-/// The same of a surface's facets, by their centres.
-std::array<FacetMask, 3> thirds(const ResultSurface& surface, const SurfaceFrame& frame, const Vector3d& up,
-                                const Vector3d& anterior);
 
 /// Mean pressure against the angle between `axis` and the direction from `center` (Abraham et al. 2013, Fig. 6).
 struct ProfileBin {

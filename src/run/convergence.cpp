@@ -39,7 +39,7 @@ ConvergenceRow convergence_row(int refine, const ContactStatistics& s, Outcome o
   row.mean = s.mean;
   row.area = s.contact_area;
   row.outcome = outcome;
-  row.change_peak = row.change_mean = row.change_area = kNaN;
+  row.change_peak = row.change_mean = row.change_area = row.change_headline.area = kNaN;
   if (before == nullptr) return row;
   const auto change = [](double value, double previous) {
     return previous != 0 ? std::abs(value - previous) / std::abs(previous) : kNaN;
@@ -47,6 +47,8 @@ ConvergenceRow convergence_row(int refine, const ContactStatistics& s, Outcome o
   row.change_peak = change(row.peak, before->peak);
   row.change_mean = change(row.mean, before->mean);
   row.change_area = change(row.area, before->area);
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    row.change_headline.*number.value = change(row.headline.*number.value, before->headline.*number.value);
   return row;
 }
 

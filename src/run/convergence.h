@@ -13,6 +13,7 @@ struct ConvergenceRow {
   int refine = 1;
   int springs = 0, springs_hit = 0, springs_active = 0;
   Headline headline;                                               ///< of the surface with springs
+  Headline change_headline;                                        ///< of its four numbers, as change_peak
   double peak = 0.0, mean = 0.0, area = 0.0;                       ///< of the springs
   double change_peak = 0.0, change_mean = 0.0, change_area = 0.0;  ///< relative to the row before; NaN in the first
   Outcome outcome = Outcome::NotConverged;

@@ -89,6 +89,13 @@ Regions socket_regions(const std::vector<Vector3d>& points, const SurfaceFrame& 
   return regions;
 }
 
+Regions laid_out(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const RegionLayout& layout,
+                 const Vector3d& up, const Vector3d& anterior) {
+  if (layout.socket) return socket_regions(points, frame, up, anterior);
+  if (layout.thirds) return {third_of(points, frame, up, anterior), {"anterior", "superior", "posterior"}};
+  return sectors(points, frame.center, frame.axis, up, layout.sectors);
+}
+
 FacetMask region_mask(const Regions& regions, int region) {
   FacetMask mask;
   for (int index : regions.index) mask.push_back(index == region ? 1 : 0);

@@ -35,6 +35,17 @@ Regions sectors(const std::vector<Vector3d>& points, const Vector3d& center, con
 Regions socket_regions(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const Vector3d& up,
                        const Vector3d& anterior);
 
+/// Regions by where they lie, one of these.
+struct RegionLayout {
+  bool thirds = false;  ///< "anterior", "superior", "posterior": third_of
+  bool socket = false;  ///< socket_regions
+  int sectors = 0;      ///< this many, from `up` on
+  bool any() const { return thirds || socket || sectors > 0; }
+  bool needs_anterior() const { return thirds || socket; }
+};
+Regions laid_out(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const RegionLayout& layout,
+                 const Vector3d& up, const Vector3d& anterior);
+
 /// The facets of one region, where points were facets: for `measure` and `facet_areas` of comparison.h.
 FacetMask region_mask(const Regions& regions, int region);
 

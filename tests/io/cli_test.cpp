@@ -852,7 +852,8 @@ TEST_F(Cli, UnitsOfTables) {
     for (const char* word : {"area 9 mm²\n", ", E 10 MPa, nu 0.3, ", "thickness: min 2, mean 2, max 2 mm; "})
       EXPECT_NE(info.find(word), std::string::npos) << word << info;
     EXPECT_EQ(Json::parse(file_text(folder / "i.json"))["unit_names"], units);
-    EXPECT_NE(with("converge", {"--max-springs", "20"}).find("area, springs [mm²]"), std::string::npos);
+    EXPECT_NE(with("converge", {"--max-springs", "20"}).find("mean changes  area [mm²]  area changes"),
+              std::string::npos);
     const Finished compare = dea({"compare", "r.xplt", "r.xplt", "--details"});
     for (const char* word : {"\np99 [MPa] ", "\narea [mm²] ", "\nresultant of the map [N] ", "position r [mm]"})
       EXPECT_NE(compare.out.find(word), std::string::npos) << word << compare.out;
@@ -1133,12 +1134,18 @@ TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
   ASSERT_EQ(j["contacts"][0]["rows"].size(), 2u);
   EXPECT_EQ(j["contacts"][0]["rows"][1]["springs"], 72);
   EXPECT_EQ(j["contacts"][0]["springs_1_percent"], 18);
+  EXPECT_TRUE(j["contacts"][0]["rows"][0]["change_headline"]["area"].is_null());
+  for (const char* number : {"p99", "mean", "area", "peak"}) {  // a change is what the shown numbers say it is
+    const double before = j["contacts"][0]["rows"][0]["headline"][number];
+    const double after = j["contacts"][0]["rows"][1]["headline"][number];
+    EXPECT_DOUBLE_EQ(j["contacts"][0]["rows"][1]["change_headline"][number], std::abs(after - before) / before);
+  }
   const Finished run = dea({"run", "flat.feb", "--law", "linear", "--states", "last", "--no-xplt", "--json", "-"});
   EXPECT_EQ(j["contacts"][0]["rows"][0]["headline"]["p99"],
             Json::parse(run.out)["states"][0]["contacts"][0]["headline"]["p99"]);
   const Finished few = dea({"converge", "flat.feb", "--max-springs", "20"});
   EXPECT_EQ(few.code, 1);  // one row says nothing about change
-  EXPECT_NE(few.out.find("refine  p99 [MPa]  mean [MPa]  area [mm²]  peak [MPa]  springs"), std::string::npos)
+  EXPECT_NE(few.out.find("refine  springs  p99 [MPa]  p99 changes  mean [MPa]  mean changes"), std::string::npos)
       << few.out;
   EXPECT_NE(few.out.find("changes below 1%: not reached"), std::string::npos) << few.out;
 }

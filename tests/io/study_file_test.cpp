@@ -14,6 +14,7 @@
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/results/contact_numbers.h"
+#include "src/rules/rules.h"
 
 #include "tests/program.h"
 
@@ -177,7 +178,8 @@ TEST_F(StudyFile, OtherProgramsFindItEasy) {
   EXPECT_EQ(query(path, "SELECT headline_p99 FROM results WHERE tilt = 1 AND shape = 'layer' AND state = 2"), "7.0");
   EXPECT_EQ(query(path, "SELECT typeof(headline_peak) FROM statistics"), "null");
   EXPECT_EQ(query(path, "SELECT typeof(springs) FROM statistics"), "integer");
-  EXPECT_EQ(query(path, "SELECT warnings FROM results"), worded(result(1).warnings[0]) + "; " + worded(result(1).warnings[1]));
+  EXPECT_EQ(query(path, "SELECT warnings FROM results"),
+            worded(result_of(2).warnings[0]) + "; " + worded(result_of(2).warnings[1]));
   EXPECT_EQ(query(path, "SELECT contact FROM warnings WHERE code = 'passed-through'"), "with a 'quote'");
   EXPECT_EQ(query(path, "SELECT json_extract(numbers, '$.force') FROM warnings WHERE code = 'tiny-load'"), "2.5");
   EXPECT_EQ(query(path, "SELECT rotation_z FROM poses WHERE body = 'femur'"), "0.5");

@@ -113,7 +113,7 @@ inline void write_awkward(const std::string& path) {
   for (std::size_t i = 0; i < plan.cases.size(); ++i) {
     CaseResult r = solved(i + 1, bad);
     r.contacts[0].parts = {bad, "back"};
-    r.warnings = {bad + fmt::format(" at {}", i)};
+    r.warnings = {{"passed-through", {.contact = bad, .time = static_cast<double>(i)}}};
     for (int k = 0; k < 3; ++k) {
       r.states.push_back(state(k, 3.0 + static_cast<double>(i)));
       r.states.back().statistics[0].compartments.resize(2);

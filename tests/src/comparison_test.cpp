@@ -269,19 +269,20 @@ TEST(Comparison, ThirdsOfASocketFollowUpAndAnterior) {
   const SurfaceFrame frame = surface_frame(s);
   EXPECT_NEAR((frame.axis - Vector3d::UnitZ()).norm(), 0, 1e-12);
   EXPECT_NEAR(frame.center.norm(), 0, 1e-9);
-  const auto masks = thirds(s, frame, {1, 0, 3}, {0, 2, 1});  // only what lies across the axis counts: up x, anterior y
+  const std::vector<int> third = third_of(s.facet_centers, frame, {1, 0, 3},
+                                          {0, 2, 1});  // only what lies across the axis counts: up x, anterior y
   const Vector3d middle[3] = {
       {-0.5, std::sqrt(0.75), 0}, {1, 0, 0}, {-0.5, -std::sqrt(0.75), 0}};  // 120 degrees each, cut below
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(std::accumulate(masks[k].begin(), masks[k].end(), 0), s.facets() / 3);
+    EXPECT_EQ(std::count(third.begin(), third.end(), static_cast<int>(k)), s.facets() / 3);
     for (int f = 0; f < s.facets(); ++f) {
       const auto i = static_cast<std::size_t>(f);
       const Vector3d d(s.facet_centers[i].x(), s.facet_centers[i].y(), 0);
-      EXPECT_EQ(masks[k][i] != 0, d.normalized().dot(middle[k]) > 0.5) << f;
+      EXPECT_EQ(third[i] == static_cast<int>(k), d.normalized().dot(middle[k]) > 0.5) << f;
     }
   }
-  EXPECT_THROW(thirds(s, frame, {0, 0, 1}, {0, 1, 0}), UsageError);
-  EXPECT_THROW(thirds(s, frame, {1, 0, 0}, {-2, 0, 1}), UsageError);
+  EXPECT_THROW(third_of(s.facet_centers, frame, {0, 0, 1}, {0, 1, 0}), UsageError);
+  EXPECT_THROW(third_of(s.facet_centers, frame, {1, 0, 0}, {-2, 0, 1}), UsageError);
 }
 
 TEST(Comparison, FrameOfAFlatSurfaceIsItsCentroid) {

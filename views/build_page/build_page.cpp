@@ -12,6 +12,7 @@
 #include "src/base/unit_names.h"
 #include "src/build/clear_overlap.h"
 #include "src/results/comparison.h"
+#include "views/map/hip_picture.h"
 #include "views/map/map_geometry.h"
 #include "views/map/map_scale.h"
 #include "views/page/page.h"
@@ -257,7 +258,12 @@ std::string build_page_html(const BuildPageInput& input) {
   page["warnings"] = text_list(build_warnings(s), input.files);
   page["changes"] = text_list(layer_changes(s), input.files);
   page["findings"] = text_list(s.report.findings, input.files);
-  page["hip_figure"] = input.hip_figure.empty() ? Json(nullptr) : Json(input.hip_figure);
+  page["hip_figure"] = nullptr;
+  if (s.anatomy.hip) {
+    page["hip_figure"] = hip_picture(*s.anatomy.hip, PictureFormat::Svg);
+    page["hip_panels"] = hip_panels();
+    page["hip_words"] = hip_words(*s.anatomy.hip);
+  }
   page["headline"] = headline_words();
   return page_text(page["title"].get<std::string>(), page, arrays,
                    {std::string(page::build_style()), std::string(page::build_main())});

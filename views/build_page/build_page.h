@@ -14,7 +14,6 @@ struct BuildPageInput {
   std::vector<TriangleSurface> bones;  ///< per body, to be drawn: coarse enough for it; may be empty
   std::vector<std::string> words;      ///< the command line
   std::vector<std::string> files;      ///< in it, of which only the names are shown
-  std::string hip_figure = {};         ///< SVG of what was measured of a hip; empty: none was
 };
 
 /// The page. The same input gives the same bytes; no name is taken for markup.

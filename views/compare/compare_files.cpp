@@ -282,29 +282,14 @@ TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::
 }
 
 /// A region of every file: name and its facets there.
-struct Region {
-  std::string name;
-  std::vector<FacetMask> masks;
-};
-
-std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
-                                 const std::vector<Side>& sides, const CompareOptions& options,
-                                 const SurfaceFrame& frame) {
-  std::vector<Region> regions = {{"", std::vector<FacetMask>(files.size())}};
-  for (const std::string& name : options.regions) {
-    Region region{name, {}};
-    for (std::size_t i = 0; i < files.size(); ++i)
-      region.masks.push_back(facets_in(files[i], states[i], sides[i].surface, name));
-    regions.push_back(std::move(region));
-  }
-  if (!options.thirds) return regions;
-  const char* names[3] = {"anterior", "superior", "posterior"};
-  for (const char* name : names) regions.push_back({name, {}});
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::array<FacetMask, 3> masks = thirds(sides[i].geometry, frame, options.up, options.anterior);
-    for (std::size_t k = 0; k < 3; ++k) regions[regions.size() - 3 + k].masks.push_back(masks[k]);
-  }
-  return regions;
+/// Axis and centre of regions and profile.
+SurfaceFrame chosen_frame(const SurfaceFrame& own, const CompareOptions& options, const std::string& surface) {
+  SurfaceFrame frame = own;
+  if (options.axis) frame.axis = options.axis->normalized();
+  if (options.center) frame.center = *options.center;
+  if ((options.layout.any() || options.profile) && !(frame.axis.norm() > 0))
+    throw UsageError(fmt::format("surface \"{}\" is closed and has no axis of its own: --axis x,y,z", surface));
+  return frame;
 }
 
 std::vector<double> facet_correlations(const std::vector<Side>& sides, const std::vector<NodeMatch>& matches,
@@ -410,16 +395,6 @@ ComparedRegion compare_region(const SurfaceInFiles& in, const Region& region, co
   return r;
 }
 
-/// Axis and centre of thirds and profile.
-SurfaceFrame choose_frame(const Side& reference, const CompareOptions& options, const std::string& name) {
-  SurfaceFrame frame = reference.frame;
-  if (options.axis) frame.axis = options.axis->normalized();
-  if (options.center) frame.center = *options.center;
-  if ((options.thirds || options.profile) && !(frame.axis.norm() > 0))
-    throw UsageError(fmt::format("surface \"{}\" is closed and has no axis of its own: --axis x,y,z", name));
-  return frame;
-}
-
 ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
                                 const std::vector<std::string>& names, const CompareOptions& options,
                                 const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
@@ -443,8 +418,10 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
                     headline(in.sides[i].geometry, in.sides[i].values.pressure).above});
   if (std::all_of(in.matches.begin(), in.matches.end(), [](const NodeMatch& m) { return m.same_mesh; }))
     compared.inside = compare_inside(rows);
-  SurfaceFrame frame = choose_frame(reference, options, names.back());
-  for (const Region& region : make_regions(files, states, in.sides, options, frame))
+  SurfaceFrame frame = chosen_frame(reference.frame, options, names.back());
+  std::vector<SurfaceIn> on;
+  for (const Side& side : in.sides) on.push_back({side.surface, &side.geometry});
+  for (const Region& region : make_regions(files, states, on, options, reference.frame))
     compared.regions.push_back(compare_region(in, region, thresholds));
   if (options.profile) {
     // by itself the axis points at the surface, whichever side its normals are on
@@ -620,6 +597,31 @@ std::string low_thresholds(const CompareOptions& options, const std::string& sys
 }
 
 }  // namespace
+
+std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                 const std::vector<SurfaceIn>& on, const CompareOptions& options,
+                                 const SurfaceFrame& own) {
+  std::vector<Region> regions = {{"", std::vector<FacetMask>(files.size())}};
+  for (const std::string& name : options.regions) {
+    Region region{name, {}};
+    for (std::size_t i = 0; i < files.size(); ++i)
+      region.masks.push_back(facets_in(files[i], states[i], on[i].number, name));
+    regions.push_back(std::move(region));
+  }
+  if (!options.layout.any()) return regions;
+  const SurfaceFrame frame = chosen_frame(own, options, on.back().geometry->name);
+  const std::size_t first = regions.size();
+  for (const SurfaceIn& surface : on) {
+    const Regions lying =
+        laid_out(surface.geometry->facet_centers, frame, options.layout, options.up, options.anterior);
+    regions.resize(first + lying.names.size());
+    for (std::size_t k = 0; k < lying.names.size(); ++k) {
+      regions[first + k].name = lying.names[k];
+      regions[first + k].masks.push_back(region_mask(lying, static_cast<int>(k)));
+    }
+  }
+  return regions;
+}
 
 Comparison compare_files(const std::vector<ResultFile>& files, const CompareOptions& options) {
   Comparison c;

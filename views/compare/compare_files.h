@@ -8,6 +8,7 @@
 #include "io/results/result_file.h"
 #include "src/results/comparison.h"
 #include "src/results/headline.h"
+#include "src/study/regions.h"
 #include "views/compare/compare_inside.h"
 
 namespace dea {
@@ -23,12 +24,12 @@ struct CompareOptions {
   std::vector<std::string> surfaces;  ///< "NAME" or one name per file, "A=B"; empty: those with pressure somewhere
   std::vector<double> thresholds = {0.1, 0.5};  ///< pressures above 0
   std::vector<std::string> regions;             ///< sets of the files
-  bool thirds = false;                          ///< regions anterior, superior, posterior; with up and anterior
+  RegionLayout layout;                          ///< regions by where they lie; with up, and anterior if it needs that
   Vector3d up = Vector3d::Zero(), anterior = Vector3d::Zero();
   std::optional<double> dose_above;
   bool profile = false;
   double bin = 5.0;                      ///< [degrees]
-  std::optional<Vector3d> axis, center;  ///< of profile and thirds; none: the reference surface's own
+  std::optional<Vector3d> axis, center;  ///< of profile and layout; none: the reference surface's own
 };
 
 /// What the places of a region have borne up to the compared state, of nodal averages. Of one state: NaN.
@@ -37,6 +38,22 @@ struct TimeMeasures {
   double max_exposure = 0.0, mean_exposure = 0.0;
   double max_dose = 0.0, mean_dose = 0.0;  ///< NaN without threshold
 };
+
+/// The facets of a region in each file; empty: all.
+struct Region {
+  std::string name;
+  std::vector<FacetMask> masks;
+};
+/// A surface of a file's state.
+struct SurfaceIn {
+  int number = -1;  ///< in the state's mesh
+  const ResultSurface* geometry = nullptr;
+};
+/// The whole surface, regions that are sets of the files, those of the layout. `on`: per file. `own`: the reference
+/// surface's frame, where the options have none.
+std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                 const std::vector<SurfaceIn>& on, const CompareOptions& options,
+                                 const SurfaceFrame& own);
 
 struct ComparedRegion {
   std::string name;                            ///< empty: the whole surface

@@ -249,6 +249,8 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
       r["change_mean"] = json_number(row.change_mean);
       r["change_area"] = json_number(row.change_area);
       r["headline"] = headline_json(row.headline);
+      for (const HeadlineNumber& number : kHeadlineNumbers)
+        r["change_headline"][number.name] = json_number(row.change_headline.*number.value);
       c["rows"].push_back(r);
     }
     j["contacts"].push_back(c);

@@ -17,6 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPanel = 300.0, kBetween = 22.0, kEdge = 16.0, kHeader = 62.0, kSmall = 14.0, kHead = 15.5;
+constexpr double kTop = kEdge + 26 + kHeader;  // of the panels
 constexpr Rgb kInk = {0.08, 0.08, 0.09}, kPale = {0.35, 0.35, 0.36}, kSocket = {0.15, 0.15, 0.16},
               kFemur = {0.6, 0.6, 0.61}, kAngle = {0.10, 0.38, 0.72}, kRoofLine = {0.80, 0.30, 0.05};
 
@@ -88,7 +89,9 @@ void clip_to(Pen& pen, const Square& square) {
   cairo_clip(pen.get());
 }
 
-std::string degrees(double angle) { return std::isfinite(angle) ? fmt::format("{:.1f}°", angle) : "–"; }
+std::string degrees(double angle) {
+  return std::isfinite(angle) ? fmt::format("{:.1f}°", std::abs(angle) < 0.05 ? 0.0 : angle) : "–";
+}
 
 /// The angle between straight up and the line to the edge.
 void draw_edge_angle(Pen& pen, const Square& square, const Vector2d& edge, double angle, double radius) {
@@ -179,13 +182,33 @@ void draw_rim(Pen& pen, const Square& square, const HipMeasures& m) {
   ends(pen, square, front_right ? "behind" : "in front", front_right ? "in front" : "behind");
 }
 
+double left_of(int panel) { return kEdge + panel * (kPanel + kBetween); }
+
 }  // namespace
 
+std::vector<std::string> hip_panels() {
+  std::vector<std::string> boxes;
+  for (int i = 0; i < 3; ++i)
+    boxes.push_back(fmt::format("{} {} {} {}", left_of(i) - 6, kTop - 48, kPanel + 12, kPanel + 54));
+  return boxes;
+}
+
+std::vector<std::string> hip_words(const HipMeasures& m) {
+  std::string missing;
+  for (const std::string& what : m.missing)
+    missing += (missing.empty() ? "Not measured: " : ", ") + what.substr(0, what.find(':'));
+  return {fmt::format("Dark: {}. Grey: {}. Dashed: spheres of head (radius {:.4g}) and socket ({:.4g}). Both sections "
+                      "pass through the head's centre.",
+                      m.socket_bone, m.head_bone, m.head.radius, m.socket.radius),
+          fmt::format("Rim: dark points bear the plane (rms {:.2g}), orange ones lie off it. Above radiographic, "
+                      "anatomic inclination {}, anteversion {}.",
+                      m.rim_rms, degrees(m.inclination_anatomic), degrees(m.anteversion_anatomic)),
+          missing};
+}
+
 std::string hip_picture(const HipMeasures& m, PictureFormat format, double dpi) {
-  const double width = 2 * kEdge + 3 * kPanel + 2 * kBetween, top = kEdge + 26 + kHeader, height = top + kPanel + 84;
-  const auto square = [&](int column) {
-    return Square{kEdge + column * (kPanel + kBetween), top, 2 * m.socket.radius};
-  };
+  const double width = left_of(2) + kPanel + kEdge, height = kTop + kPanel + 84;
+  const auto square = [&](int column) { return Square{left_of(column), kTop, 2 * m.socket.radius}; };
   return drawn({format, width, height, dpi}, [&](Pen& pen) {
     pen.use({1, 1, 1});
     pen.rectangle(0, 0, width, height);
@@ -209,20 +232,8 @@ std::string hip_picture(const HipMeasures& m, PictureFormat format, double dpi) 
     draw_rim(pen, square(2), m);
     pen.use(kPale);
     pen.font(kSmall);
-    pen.text(
-        kEdge, top + kPanel + 26,
-        fmt::format("Dark: {}. Grey: {}. Dashed: spheres of head (radius {:.4g}) and socket ({:.4g}). Both sections "
-                    "pass through the head's centre.",
-                    m.socket_bone, m.head_bone, m.head.radius, m.socket.radius));
-    pen.text(kEdge, top + kPanel + 48,
-             fmt::format("Rim: dark points bear the plane (rms {:.2g}), orange ones lie off it. Above radiographic, "
-                         "anatomic inclination {}, "
-                         "anteversion {}.",
-                         m.rim_rms, degrees(m.inclination_anatomic), degrees(m.anteversion_anatomic)));
-    std::string missing;
-    for (const std::string& what : m.missing)
-      missing += (missing.empty() ? "Not measured: " : ", ") + what.substr(0, what.find(':'));
-    pen.text(kEdge, top + kPanel + 70, missing);
+    double y = kTop + kPanel + 4;
+    for (const std::string& line : hip_words(m)) pen.text(kEdge, y += 22, line);
   });
 }
 

@@ -579,7 +579,7 @@ void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
   };
   if (r.minus != nullptr)
     add(fmt::format("{} \u2212 {}", r.files[from.file].label, r.minus->label));
-  else if (r.files.size() > 1)
+  else if (r.files.size() > 1 || r.options.labelled)
     add(r.files[from.file].label);
   const bool alone = r.files.size() == 1 && r.minus == nullptr;
   if (r.names.size() > 1 || (alone && r.rows.size() == 1)) add(from.name);

@@ -20,6 +20,7 @@ struct MapOptions {
   std::optional<Vector3d> toward;     ///< seen from there; none: along the surface's axis
   bool unrolled = false;
   Vector3d up = Vector3d::Zero();    ///< zero: found
+  bool labelled = false;             ///< titles name the file also where it is the only one
   bool smooth = false;               ///< nodal averages, interpolated; else facets as they are
   bool scale_of_shown = false;       ///< the scale covers the panels; else all states of the files
   std::optional<ColourMap> colours;  ///< none: Sequential, of differences Diverging

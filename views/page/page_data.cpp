@@ -122,7 +122,7 @@ void place_camera(PageSurface& s, const ResultSurface& first, int state, const C
     const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
     for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
   }
-  const MapView view = view_from(default_direction(first, load), options.thirds ? options.up : Vector3d(0, 0, 0));
+  const MapView view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
   s.axis = view.toward;
   s.up = view.up;
   Vector3d least = Vector3d::Constant(std::numeric_limits<double>::infinity()), most = -least;
@@ -133,27 +133,6 @@ void place_camera(PageSurface& s, const ResultSurface& first, int state, const C
   s.center = 0.5 * (least + most);
   s.radius = 0.0;
   for (const Vector3d& x : g.mesh.vertices) s.radius = std::max(s.radius, (x - s.center).norm());
-}
-
-std::vector<std::vector<FacetMask>> region_masks(const std::vector<ResultFile>& files, const std::vector<int>& states,
-                                                 const PageSurface& s, const std::vector<ResultSurface>& own,
-                                                 const CompareOptions& options) {
-  std::vector<std::vector<FacetMask>> masks(1, std::vector<FacetMask>(files.size()));  // region, result
-  for (const std::string& name : options.regions) {
-    masks.emplace_back();
-    for (std::size_t i = 0; i < files.size(); ++i)
-      masks.back().push_back(facets_in(files[i], states[i], find_surface(files[i], states[i], s.names[i]), name));
-  }
-  if (!options.thirds) return masks;
-  SurfaceFrame frame = surface_frame(own.back());
-  if (options.axis) frame.axis = options.axis->normalized();
-  if (options.center) frame.center = *options.center;
-  masks.resize(masks.size() + 3);
-  for (const ResultSurface& surface : own) {
-    const std::array<FacetMask, 3> third = thirds(surface, frame, options.up, options.anterior);
-    for (std::size_t k = 0; k < 3; ++k) masks[masks.size() - 3 + k].push_back(third[k]);
-  }
-  return masks;
 }
 
 void find_unsolved(const std::vector<ResultFile>& files, PageFrame& frame) {
@@ -389,33 +368,35 @@ std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::s
   return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
 }
 
-/// The numbers of every state. `masks`: per region and result.
+/// The numbers of every state.
 void add_measures(const std::vector<ResultFile>& files, const std::vector<ResultSurface>& own,
-                  const std::vector<std::vector<FacetMask>>& masks, PageSurface& s) {
+                  const std::vector<Region>& regions, PageSurface& s) {
   s.measures.resize(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(masks.size()));
+    s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(regions.size()));
     parallel_for(s.measures[i].size(), [&](std::size_t k) {
       SurfaceValues v;
       v.pressure = pressure_in(s, i, k);
       if (v.pressure.empty()) return;
-      for (std::size_t r = 0; r < masks.size(); ++r)
-        s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, masks[r][i]), headline(own[i], v.pressure, masks[r][i])};
+      for (std::size_t r = 0; r < regions.size(); ++r) {
+        const FacetMask& mask = regions[r].masks[i];
+        s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, mask), headline(own[i], v.pressure, mask)};
+      }
     });
   }
 }
 
 /// Per frame what needs the pressure at nodes: patterns against the last result, profiles (`of_surface` has any).
 void add_patterns(const std::vector<PageFrame>& frames, const std::vector<ResultSurface>& own,
-                  const std::vector<NodeMatch>& matches, const std::vector<std::vector<FacetMask>>& masks,
+                  const std::vector<NodeMatch>& matches, const std::vector<Region>& regions,
                   const ComparedSurface* of_surface, double bin, PageSurface& s) {
   const std::size_t n = own.size();
   s.patterns.resize(frames.size(), std::vector<std::vector<std::optional<PagePattern>>>(
-                                       masks.size(), std::vector<std::optional<PagePattern>>(n)));
+                                       regions.size(), std::vector<std::optional<PagePattern>>(n)));
   const bool profile = of_surface != nullptr && !of_surface->profiles.empty();
   if (profile) s.profiles.resize(frames.size(), std::vector<std::vector<double>>(n));
   std::vector<std::vector<double>> areas;
-  for (const auto& mask : masks) areas.push_back(nodal_areas(own.back(), mask.back()));
+  for (const Region& region : regions) areas.push_back(nodal_areas(own.back(), region.masks.back()));
   parallel_for(frames.size(), [&](std::size_t f) {
     const std::vector<int>& states = frames[f].states;
     std::vector<std::vector<double>> nodal(n);
@@ -429,7 +410,7 @@ void add_patterns(const std::vector<PageFrame>& frames, const std::vector<Result
           s.profiles[f][i].push_back(b.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
       const std::vector<double> carried = carry_values(matches[i], own[i], nodal[i]);
-      for (std::size_t r = 0; r < masks.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
+      for (std::size_t r = 0; r < regions.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
     }
   });
   if (!profile) return;
@@ -467,12 +448,12 @@ PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector
   add_scales({"space", s.space, own, matches, data.frames}, s);
   add_scales({"gap", s.gap, own, matches, data.frames}, s);
 
-  s.regions = {""};
-  s.regions.insert(s.regions.end(), options.regions.begin(), options.regions.end());
-  if (options.thirds) s.regions.insert(s.regions.end(), {"anterior", "superior", "posterior"});
-  const std::vector<std::vector<FacetMask>> masks = region_masks(files, compared, s, own, options);
-  add_measures(files, own, masks, s);
-  add_patterns(data.frames, own, matches, masks, of_surface, options.bin, s);
+  std::vector<SurfaceIn> on;
+  for (std::size_t i = 0; i < n; ++i) on.push_back({find_surface(files[i], compared[i], names[i]), &own[i]});
+  const std::vector<Region> regions = make_regions(files, compared, on, options, surface_frame(own.back()));
+  for (const Region& region : regions) s.regions.push_back(region.name);
+  add_measures(files, own, regions, s);
+  add_patterns(data.frames, own, matches, regions, of_surface, options.bin, s);
   return s;
 }
 

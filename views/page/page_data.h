@@ -107,6 +107,7 @@ struct PageData {
   int frame = 0;  ///< shown first
   std::vector<PageSurface> surfaces;
   PageContext context;
+  std::string time_name = "time";  ///< what the states are counted in: "cycle [%]"
   std::vector<PageChart> charts;
   std::vector<TitledTable> tables;
   std::vector<PageText> texts;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "io/files/output.h"
+#include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/time_text.h"
 #include "views/data/json.h"
@@ -190,6 +191,7 @@ Json page_json(const PageData& data, PageArrays& arrays) {
     return {{"time", time_json(f.time)}, {"states", f.states}, {"unsolved", f.unsolved}};
   });
   j["frame"] = data.frame;
+  j["time_name"] = data.time_name;
   Json meshes = Json::array(), surfaces = Json::array();
   for (const PageSurface& s : data.surfaces) surfaces.push_back(surface_json(s, exact, meshes, arrays));
   j["meshes"] = std::move(meshes);
@@ -228,8 +230,11 @@ void write_run_page(const std::string& path, const Recognition& recognition, con
   for (const NamedPath& file : files) paths.push_back(file.path);
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(xplt)};
   const JointCheck check = check_joint(recognition, analysis.beds, analysis.maps);
-  write_page(path, run_page(recognition.model, analysis, result,
-                            info_text(recognition.model, recognition.settings, check), words, paths));
+  PageData page = run_page(recognition.model, analysis, result,
+                           info_text(recognition.model, recognition.settings, check), words, paths);
+  const std::string& loads = recognition.settings.loads.file;
+  page.time_name = time_name(loads.empty() ? recognition.settings.motion.file : loads);
+  write_page(path, page);
 }
 
 void require_page_name(const std::string& option, const std::string& path) {

@@ -94,6 +94,7 @@ Json column_json(const StudyColumn& c, const ShownCases& shown, PageArrays& arra
   for (std::size_t i : shown.cases) level.push_back(c.level[i]);
   return {{"name", c.name},
           {"numeric", c.numeric},
+          {"dimension", c.dimension},
           {"levels", c.levels},
           {"level", arrays.add(pack_integers(level))},
           {"of", c.of.empty() ? Json(nullptr) : Json(c.of)}};

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "io/feb/read_feb.h"
+#include "io/tables/read_tables.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
 #include "src/equilibrium/search.h"
@@ -197,16 +198,41 @@ std::string units_option(const StudyHead& head) {
   return "";
 }
 
-/// Of a model that is still the file that the study was made from.
-std::string units_of_model(const StudyHead& head) {
-  if (head.models.empty()) return "";
-  const std::string& model = head.models.front();
+/// Is it still the file that the study was made from?
+bool unchanged(const StudyHead& head, const std::string& file) {
   try {
     for (const auto& [path, digest] : head.identity.inputs)
-      if (path == model && file_digest(path) == digest) return read_feb(model).units;
-  } catch (const InputError&) {  // it is not there, or cannot be read any more: no units are known
+      if (path == file && file_digest(path) == digest) return true;
+  } catch (const InputError&) {  // it is not there
   }
-  return "";
+  return false;
+}
+
+std::string units_of_model(const StudyHead& head) {
+  if (head.models.empty() || !unchanged(head, head.models.front())) return "";
+  try {
+    return read_feb(head.models.front()).units;
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+/// Of the table of loads or motion among the options.
+std::string time_name_of_table(const StudyHead& head) {
+  for (const std::string& text : head.identity.options)
+    for (const auto& [path, digest] : head.identity.inputs)
+      if ((text.starts_with("--loads ") || text.starts_with("--motion ")) && text.find(path) != std::string::npos &&
+          unchanged(head, path))
+        return time_name(path);
+  return "time";
+}
+
+/// What a factor's numbers are, by its option; empty: one of several things.
+std::string dimension_of(const Factor& factor) {
+  if (factor.option == "rotate") return factor.before.ends_with(",") && factor.after.empty() ? "degrees" : "";
+  if (factor.option == "E") return "pressure";
+  if (factor.option == "move" || factor.option == "thickness") return "length";
+  return factor.option == "force" ? "force" : "";
 }
 
 }  // namespace
@@ -320,7 +346,11 @@ StudyNumbers read_study_numbers(const std::string& path) {
   if (n.cases.empty()) throw InputError(fmt::format("{}: found a study without a single case, expected some", path));
   const std::string units = units_option(n.head);
   n.units = unit_names(units.empty() ? units_of_model(n.head) : units);
+  n.time_name = time_name_of_table(n.head);
   make_columns(n);
+  for (const Factor& factor : n.head.factors)
+    for (StudyColumn& column : n.columns)
+      if (column.name == factor.name && column.numeric) column.dimension = dimension_of(factor);
   n.grid = is_grid(n);
   const CaseIndex index(n);
   const std::vector<std::vector<char>> good = take_states(path, index, n);

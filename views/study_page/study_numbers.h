@@ -31,6 +31,7 @@ const std::vector<StudyStatistic>& headline_statistics();
 struct StudyColumn {
   std::string name;
   std::string of;                   ///< of a table: the column that its rows are of; empty: the study's own
+  std::string dimension;            ///< of the numbers: "degrees", "length", "pressure", "force"; empty: unknown
   bool numeric = false;             ///< every value is a number
   std::vector<std::string> levels;  ///< different values; numbers rise, words in the order of cases
   std::vector<double> numbers;      ///< per level; words: 0, 1, 2, ...
@@ -42,6 +43,7 @@ struct StudyColumn {
 struct StudyNumbers {
   StudyHead head;
   UnitNames units;
+  std::string time_name = "time";    ///< what states are counted in, by a table of loads or motion: "cycle [%]"
   std::vector<StudyCase> cases;      ///< those that are there, by their numbers
   std::vector<StudyColumn> columns;  ///< that vary: the study's own, those of a table behind them
   std::vector<StudyColumn> constant;

@@ -105,6 +105,7 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
     return {c.contact, c.source, c.target};
   });
   add_page_head(n.units, page);
+  page["time_name"] = n.time_name;
   page["study"] = study_head_json(n);
   page["failures"] = failures_json(n, warnings);
   add_numbers(n, shown, page, arrays);

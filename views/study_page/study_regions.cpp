@@ -62,9 +62,7 @@ Regions regions_of(const StudySurfaceMesh& s, const StudyRegionOptions& o) {
   if (o.center) frame.center = *o.center;
   if (!(frame.axis.norm() > 0))
     throw UsageError("surface \"" + s.surface + "\" is closed and has no axis of its own, expected one to be given");
-  const std::vector<Vector3d>& points = s.geometry.mesh.vertices;
-  if (o.socket) return socket_regions(points, frame, *o.up, *o.anterior);
-  return sectors(points, frame.center, frame.axis, *o.up, o.sectors);
+  return laid_out(s.geometry.mesh.vertices, frame, o, *o.up, o.anterior.value_or(Vector3d::Zero()));
 }
 
 void add_regions(const std::string& path, const StudyFields& fields, const StudyRegionOptions& options,

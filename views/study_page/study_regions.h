@@ -9,11 +9,8 @@
 namespace dea {
 
 /// Which regions, and what they are laid out from.
-struct StudyRegionOptions {
-  bool socket = false;                                 ///< six of a socket (socket_regions); needs up and anterior
-  int sectors = 0;                                     ///< so many about the axis, the first from `up` on; 0: none
+struct StudyRegionOptions : RegionLayout {
   std::optional<Vector3d> up, anterior, axis, center;  ///< axis, center: else those of surface_frame
-  bool any() const { return socket || sectors > 0; }
 };
 
 /// Per vertex of a surface. Throws UsageError as the functions of study/regions.h.

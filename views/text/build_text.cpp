@@ -61,16 +61,19 @@ std::vector<TitledTable> anatomy_tables(const Anatomy& anatomy) {
   sphere("socket", m.socket_bone, m.socket, m.socket_points);
   tables.push_back(spheres);
   TitledTable angles{"Hip [degrees]", {{"angle", ""}, "lr", {}}};
-  for (const HipAngle& angle : kHipAngles)
+  for (const HipAngle& angle : kHipAngles) {
+    const double x = m.*angle.value;
     angles.table.rows.push_back(
-        {angle.name, std::isfinite(m.*angle.value) ? fmt::format("{:.1f}", m.*angle.value) : "-"});
+        {angle.name, std::isfinite(x) ? fmt::format("{:.1f}", std::abs(x) < 0.05 ? 0.0 : x) : "-"});
+  }
   tables.push_back(angles);
   return tables;
 }
 
 TitledTable layer_table(const BuildSummary& s) {
   TitledTable layers{"Cartilage [mm]",
-                     {{"layer", "way", "triangles", "area", "edge", "thickness", "mean", "most", "Jacobian", "mean"},
+                     {{"layer", "way", "triangles", "area", "mean edge", "least thickness", "mean thickness",
+                       "most thickness", "least Jacobian", "mean Jacobian"},
                       "llrrrrrrrr",
                       {}}};
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {

@@ -147,12 +147,19 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
 namespace {
 
 /// `by_table`: how many of the dofs, from the first on, a table moves. `loads`: told as they are, before the arm.
-std::string conditions_text_with(const BodyConditions& c, int by_table, const std::string& loads) {
+std::string conditions_text_with(const BodyConditions& c, int by_table, const std::string& loads, bool paper) {
+  constexpr const char* kInPaper[kDofs] = {"translation along x", "translation along y", "translation along z",
+                                           "rotation about x",    "rotation about y",    "rotation about z"};
+  constexpr const char* kAlike[] = {"translations", "rotations"};
   std::string text;
   for (int k = 0; k < kDofs; ++k) {
     const DofState s = c.dofs[at(k)];
-    text += fmt::format("{}{} {}", k ? ", " : "", kDofNames[k], word(s));
-    if (k < by_table)
+    const bool alike =
+        k % 3 == 0 && k >= by_table && s != DofState::Prescribed && c.dofs[at(k + 1)] == s && c.dofs[at(k + 2)] == s;
+    text += fmt::format("{}{} {}", k ? ", " : "", !paper ? kDofNames[k] : alike ? kAlike[k / 3] : kInPaper[k], word(s));
+    if (paper && alike)
+      k += 2;
+    else if (k < by_table)
       text += " by the table";
     else if (s == DofState::Prescribed)
       text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
@@ -175,9 +182,10 @@ std::string conditions_text_with(const BodyConditions& c, int by_table, const st
 
 }  // namespace
 
-std::string conditions_text(const BodyConditions& c) { return conditions_text_with(c, 0, ""); }
+std::string conditions_text(const BodyConditions& c, bool paper) { return conditions_text_with(c, 0, "", paper); }
 
-std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body) {
+std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body,
+                                bool paper) {
   const auto table = [](const std::string& file) {
     if (file.starts_with("table of ")) return "the " + file;  // of a caller that has no file, as Python
     return file.empty() ? "a table" : "the table " + file;
@@ -191,7 +199,7 @@ std::string row_conditions_text(const JointModel& model, const Settings& setting
   if (loaded)
     words += fmt::format("; the load of {}{}", table(loads.file),
                          is_of(loads.frame.body) ? ", which turns with the body" : "");
-  return conditions_text_with(check.row->bodies[at(body)], !moved ? 0 : motion.turns ? kDofs : 3, words);
+  return conditions_text_with(check.row->bodies[at(body)], !moved ? 0 : motion.turns ? kDofs : 3, words, paper);
 }
 
 namespace {

@@ -8,11 +8,13 @@ namespace dea {
 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check);
 
-/// What moves and loads a body: "x free, y held, ...; force (0, 0, -100)".
-std::string conditions_text(const BodyConditions& conditions);
+/// What moves and loads a body: "x free, y held, ..., Ru held; force (0, 0, -100)"; for a paper "translation along x
+/// free, ..., rotations held; ...".
+std::string conditions_text(const BodyConditions& conditions, bool paper = false);
 
 /// The same in every row of the tables (JointCheck::row, which is there), where what a table gives is told as such:
 /// "x free, y held, ...; the load of the table gait.csv".
-std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body);
+std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body,
+                                bool paper = false);
 
 }  // namespace dea

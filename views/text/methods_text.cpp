@@ -25,22 +25,70 @@ namespace {
 struct Paper {
   const char* short_form;
   const char* full;
+  const char* bibtex;
 };
 constexpr Paper kAbraham = {
     "Abraham et al., 2013",
     "Abraham CL, Maas SA, Weiss JA, Ellis BJ, Peters CL, Anderson AE (2013). A new discrete element analysis method "
     "for "
-    "predicting hip joint contact stresses. J Biomech 46(6):1121-1127. doi:10.1016/j.jbiomech.2013.01.012"};
+    "predicting hip joint contact stresses. J Biomech 46(6):1121-1127. doi:10.1016/j.jbiomech.2013.01.012",
+    R"(@article{Abraham2013,
+  author  = {Abraham, Christine L. and Maas, Steve A. and Weiss, Jeffrey A. and Ellis, Benjamin J. and Peters, Christopher L. and Anderson, Andrew E.},
+  title   = {A new discrete element analysis method for predicting hip joint contact stresses},
+  journal = {Journal of Biomechanics},
+  year    = {2013},
+  volume  = {46},
+  number  = {6},
+  pages   = {1121--1127},
+  doi     = {10.1016/j.jbiomech.2013.01.012}
+}
+)"};
 constexpr Paper kBlankevoort = {
     "Blankevoort et al., 1991",
     "Blankevoort L, Kuiper JH, Huiskes R, Grootenboer HJ (1991). Articular contact in a three-dimensional model of the "
-    "knee. J Biomech 24(11):1019-1031."};
+    "knee. J Biomech 24(11):1019-1031.",
+    R"(@article{Blankevoort1991,
+  author  = {Blankevoort, L. and Kuiper, J. H. and Huiskes, R. and Grootenboer, H. J.},
+  title   = {Articular contact in a three-dimensional model of the knee},
+  journal = {Journal of Biomechanics},
+  year    = {1991},
+  volume  = {24},
+  number  = {11},
+  pages   = {1019--1031}
+}
+)"};
 constexpr Paper kFebio = {
     "Maas et al., 2012",
     "Maas SA, Ellis BJ, Ateshian GA, Weiss JA (2012). FEBio: finite elements for biomechanics. J Biomech Eng "
-    "134(1):011005. doi:10.1115/1.4005694"};
+    "134(1):011005. doi:10.1115/1.4005694",
+    R"(@article{Maas2012,
+  author  = {Maas, Steve A. and Ellis, Benjamin J. and Ateshian, Gerard A. and Weiss, Jeffrey A.},
+  title   = {{FEBio}: finite elements for biomechanics},
+  journal = {Journal of Biomechanical Engineering},
+  year    = {2012},
+  volume  = {134},
+  number  = {1},
+  pages   = {011005},
+  doi     = {10.1115/1.4005694}
+}
+)"};
 constexpr Paper kJohnson = {
-    "Johnson, 1985", "Johnson KL (1985). Contact Mechanics. Cambridge University Press. Section 5.8: thin layers."};
+    "Johnson, 1985", "Johnson KL (1985). Contact Mechanics. Cambridge University Press. Section 5.8: thin layers.",
+    R"(@book{Johnson1985,
+  author    = {Johnson, K. L.},
+  title     = {Contact Mechanics},
+  publisher = {Cambridge University Press},
+  year      = {1985},
+  note      = {Section 5.8: thin layers}
+}
+)"};
+constexpr const char* kProgramBibtex = R"(@software{{FEBioDEA,
+  author  = {{{{FEBioDEA developers}}}},
+  title   = {{{{FEBioDEA}}: discrete element analysis of joint contact for {{FEBio}} models}},
+  year    = {{2026}},
+  version = {{{}}}
+}}
+)";
 
 /// The paragraph as it grows, and the papers named in it.
 struct Methods {
@@ -264,8 +312,8 @@ void say_loads(Methods& m, const JointModel& model, const Settings& settings, co
     if (joint.bodies[at(b)].ground) continue;
     m.say(fmt::format("{}, {}: {}.", check.row ? "In every row of the table" : "At the end of the last step",
                       in_quotes(joint.bodies[at(b)].name),
-                      check.row ? row_conditions_text(model, settings, check, b)
-                                : conditions_text(check.steps.back().load_case.bodies[at(b)])));
+                      check.row ? row_conditions_text(model, settings, check, b, true)
+                                : conditions_text(check.steps.back().load_case.bodies[at(b)], true)));
   }
   if (!check.times.empty())
     m.say(fmt::format("Static equilibrium of all free motions was sought in {}.", states_words(settings, check)));
@@ -274,7 +322,7 @@ void say_loads(Methods& m, const JointModel& model, const Settings& settings, co
 }  // namespace
 
 std::string methods_text(const JointModel& model, const Settings& settings, const JointCheck& check,
-                         const std::string& febio) {
+                         const std::string& febio, bool bibtex) {
   Methods m;
   say_model(m, model);
   say_stated(m, model, check.joint);
@@ -290,6 +338,11 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
   if (!febio.empty())
     m.say(fmt::format("Results were compared with those of {} ({}), by the same definitions for both.", febio,
                       m.cite(kFebio)));
+  if (bibtex) {
+    std::string entries = fmt::format(kProgramBibtex, kVersion);
+    for (const Paper* paper : m.papers) entries += std::string("\n") + paper->bibtex;
+    return entries;
+  }
   const std::vector<std::string> given = settings_given(settings);
   const char* others = any_stated(model, check.joint)
                            ? "stated in the model, inferred from it or left at their defaults"

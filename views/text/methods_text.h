@@ -9,8 +9,9 @@ namespace dea {
 /// Sentences about bodies, cartilage, springs, loads, states and the numbers that are reported, each only where it
 /// holds for this model with these settings; the settings given; and the papers they rest on. Lengths, pressures and
 /// forces are the model's, with their units where these are known. `joint`: recognised, without errors. `febio`: the
-/// program that wrote a result that is compared with ("FEBio 4.11.0"); empty: none.
+/// program that wrote a result that is compared with ("FEBio 4.11.0"); empty: none. `bibtex`: the program and these
+/// papers alone, as BibTeX.
 std::string methods_text(const JointModel& model, const Settings& settings, const JointCheck& joint,
-                         const std::string& febio);
+                         const std::string& febio, bool bibtex = false);
 
 }  // namespace dea

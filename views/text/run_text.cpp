@@ -195,7 +195,7 @@ Table details_table(const Joint& joint, const std::vector<StateResult>& states, 
 
 Table bodies_table(const Joint& joint, const Equilibrium& e, const UnitNames& units) {
   Table table;
-  table.headings = {"body", with_unit("translation", units, Dimension::Length), "rotation",
+  table.headings = {"body", with_unit("translation", units, Dimension::Length), "rotation [rad]",
                     with_unit("force", units, Dimension::Force), with_unit("moment", units, Dimension::Moment)};
   table.left = "lllll";
   double farthest = 0.0, strongest = 0.0, turning = 0.0;
@@ -237,7 +237,7 @@ Table connectors_table(const Joint& joint, const Equilibrium& e, const UnitNames
                     with_unit("force", units, Dimension::Force),
                     with_unit("moment", units, Dimension::Moment),
                     with_unit("translation", units, Dimension::Length),
-                    "rotation"};
+                    "rotation [rad]"};
   table.left = "llllll";
   double largest = 0.0, reach = 0.0;
   for (const Vector6& f : e.connector_force)
@@ -291,33 +291,39 @@ std::string run_text(const JointModel& model, const Analysis& analysis, bool det
 }
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
-  std::string text = units_text(model) + "\n" + headline_words() +
-                     ", of the surface with springs; changes are of the springs' numbers\n";
+  std::string text = units_text(model) + "\n" + headline_words() + ", of the surface with springs\n";
   const UnitNames units = unit_names(model.units);
-  const auto pressure = [&](const char* name) { return with_unit(name, units, Dimension::Pressure); };
   for (const Convergence& study : studies) {
-    text += fmt::format("\ncontact {}, last state; changes against the row above\n", in_quotes(study.contact));
-    Table table;
-    table.headings = {"refine"};
-    for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
-    table.headings.insert(table.headings.end(),
-                          {"springs", "active", pressure("peak, springs"), pressure("mean, springs"),
-                           with_unit("area, springs", units, Dimension::Area), "peak changes", "mean changes",
-                           "area changes", "outcome"});
-    table.left = std::string(table.headings.size() - 1, 'r') + "l";
+    Table map{{"refine", "springs"}, "rr", {}}, springs{{"refine", "springs", "active"}, "rrr", {}};
+    const auto add_heading = [](Table& table, const std::string& heading, const char* number) {
+      table.headings.insert(table.headings.end(), {heading, fmt::format("{} changes", number)});
+      table.left += "rr";
+    };
+    for (const HeadlineNumber& number : kHeadlineNumbers) add_heading(map, heading_of(number, units), number.name);
+    map.headings.emplace_back("outcome");
+    map.left += "l";
+    add_heading(springs, with_unit("peak", units, Dimension::Pressure), "peak");
+    add_heading(springs, with_unit("mean", units, Dimension::Pressure), "mean");
+    add_heading(springs, with_unit("area", units, Dimension::Area), "area");
     for (const ConvergenceRow& r : study.rows) {
-      std::vector<std::string> row = {fmt::format("{}", r.refine)};
-      for (const HeadlineNumber& number : kHeadlineNumbers) row.push_back(four_digits(r.headline.*number.value));
-      row.insert(row.end(), {fmt::format("{}", r.springs), fmt::format("{}", r.springs_active), four_digits(r.peak),
-                             four_digits(r.mean), four_digits(r.area), share_in_percent(r.change_peak),
-                             share_in_percent(r.change_mean), share_in_percent(r.change_area), name(r.outcome)});
-      table.rows.push_back(std::move(row));
+      const std::string refine = fmt::format("{}", r.refine), count = fmt::format("{}", r.springs);
+      map.rows.push_back({refine, count});
+      for (const HeadlineNumber& number : kHeadlineNumbers)
+        for (const std::string& cell :
+             {four_digits(r.headline.*number.value), share_in_percent(r.change_headline.*number.value)})
+          map.rows.back().push_back(cell);
+      map.rows.back().emplace_back(name(r.outcome));
+      springs.rows.push_back({refine, count, fmt::format("{}", r.springs_active), four_digits(r.peak),
+                              share_in_percent(r.change_peak), four_digits(r.mean), share_in_percent(r.change_mean),
+                              four_digits(r.area), share_in_percent(r.change_area)});
     }
-    text += table_text(table);
+    text += fmt::format("\ncontact {}, last state; changes against the row above\n{}", in_quotes(study.contact),
+                        table_text(map));
+    text += fmt::format("\nthe springs' own numbers, whose changes decide\n{}", table_text(springs));
     const auto needed = [&](int springs, const char* limit) {
-      return springs < 0
-                 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
-                 : fmt::format("changes below {}: from {} springs on\n", limit, springs);
+      return springs < 0 ? fmt::format("the springs' changes below {}: not reached (at most {} springs allowed)\n",
+                                       limit, max_springs)
+                         : fmt::format("the springs' changes below {}: from {} springs on\n", limit, springs);
     };
     text += needed(study.springs_5_percent, "5%");
     text += needed(study.springs_1_percent, "1%");

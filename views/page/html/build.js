@@ -15,34 +15,19 @@ const Page = (() => {
 
   // ---- small things ----
   const select = (id, label, options, value, change) => makeSelect(id, label, options, value, (v) => change(Number(v)));
-  function table(t) {
-    const cell = (tag, text, i) => make(tag, { text: String(text), class: t.left[i] === "l" ? "word" : null });
-    return make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
-      make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
-  }
   const csvButton = (t, id) => make("button", { text: "CSV", title: "Save the numbers", "data-save": "csv", onclick: () => saveCsv(t(), id) });
   function scaleOf(quantity) {
     const q = quantities[quantity], [least, most, level, lowest, highest] = Report.scales[quantity] || [0, 1, 0.2, 0, 0], margin = 1e-6 * (most - least);
     return { map: "sequential", least, most, level, none: "none", noneText: "", zero: least < 0, title: Format.axis(q.title, q.dimension) + (quantity === "gap" && lowest < 0 ? ", below 0: overlap" : ""),
       beyondMost: highest > most + margin, beyondLeast: lowest < least - margin };
   }
-  function bar(canvas, scale, contours) {
-    const k = Math.min(2, window.devicePixelRatio || 1), width = canvas.clientWidth;
-    canvas.width = Math.round(width * k);
-    canvas.height = Math.round(76 * k);
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `Colours of ${scale.title}: ${Format.short(scale.least)} to ${Format.short(scale.most)}`);
-    drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, Colours.ink[state.theme], contours);
-  }
+  const bar = (canvas, scale, contours) => paintBar(canvas, scale, state.theme, contours);
   const keys = "Drag turns, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets.";
 
   // ---- head ----
   function head() {
     const loads = bodies.filter((b) => b.loaded).map((b) => b.name).join(", ");
-    $("head").append(make("div", { class: "top" },
-      make("div", {}, make("h1", { text: Report.title }),
-        make("p", { class: "sub", text: `A joint of ${bodies.length} bones, made of their surfaces by dea build: ${Report.file}. Loaded: ${loads}. Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` })),
-      make("div", { class: "controls" }, make("button", { id: "theme", text: "Dark", title: "Light or dark page", onclick: () => setTheme(state.theme === "dark" ? "light" : "dark") }))));
+    makeHead(`A joint of ${bodies.length} bones, made of their surfaces by dea build: ${Report.file}. Loaded: ${loads}. Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.`);
     if (Report.warnings.length) $("head").append(make("div", { class: "warnings", id: "warnings" }, make("ul", {}, ...Report.warnings.map((l) => make("li", { text: l })))));
   }
 
@@ -59,7 +44,7 @@ const Page = (() => {
     if (bodies.some((b) => b.mesh !== null)) controls.append(makeToggle("solid", "solid bones", false, (on) => { state.solid = on; drawJoint(); }));
     controls.append(makeToggle("joint-mesh", "mesh", false, (on) => { whole.options.lines = on; whole.request(); }),
       make("button", { id: "joint-reset", text: "reset view", onclick: () => whole.setView(Report.view) }),
-      make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: async () => Figures.save(await mapsPicture(whole, whole.panels, [whole.panels[0].what.scale], { head: [Report.title] }), fileName("joint") + ".png") }));
+      make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: () => Figures.saveCanvas(mapsPicture(whole, whole.panels, [whole.panels[0].what.scale], { head: [Report.title] }), fileName("joint")) }));
     const canvas = make("canvas", { id: "whole", tabindex: "0", role: "img", "aria-label": "The bones and their cartilage, coloured by its thickness" });
     makeSection("joint", "The joint", controls, whole.fault ? make("p", { class: "fault", id: "nowebgl", text: whole.fault }) : null,
       make("div", { class: "panels" }, make("div", { class: "panel" }, canvas)), make("div", { class: "bars" }, make("canvas", { id: "whole-bar" })),
@@ -92,16 +77,12 @@ const Page = (() => {
     if (state.solid) for (const mesh of bones) pieces.push({ mesh, values: null });
     const m = joined(pieces.map((p) => p.mesh)), points = m.vertices.length / 3, values = new Float32Array(points), cartilage = new Uint8Array(points);
     m.vertexCount = points;
-    m.facetCount = m.triangles.length / 3;
     let v = 0;
     for (const p of pieces) {
       if (p.values) { values.set(p.values, v); cartilage.fill(1, v, v + p.mesh.vertexCount); }
       v += p.mesh.vertexCount;
     }
-    m.corner = m.triangles;
-    m.begin = Int32Array.from({ length: m.facetCount + 1 }, (x, i) => 3 * i);
-    m.facet = Int32Array.from({ length: m.facetCount }, (x, i) => i);
-    m.map = Data.mapMesh(m);
+    Data.meshOfTriangles(m);
     const made = { mesh: m, values, cartilage, veil: state.solid ? null : joined(bones) };
     jointMeshes.set(key, made);
     return made;
@@ -124,7 +105,7 @@ const Page = (() => {
       make("span", { class: "group", role: "group" }, makeToggle("contours", "contours", true, (on) => { parts.options.contours = on; drawLayer(); }), makeToggle("lines", "mesh", false, (on) => { parts.options.lines = on; parts.request(); }),
         makeToggle("marks", "marks", true, (on) => { parts.options.marks = on; parts.request(); }), makeToggle("veil", "bones", true, (on) => { parts.options.veil = on; parts.request(); })),
       make("button", { id: "reset", text: "reset view", onclick: resetLayer }),
-      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers and colours, on white", onclick: async () => Figures.save(await mapsPicture(parts, panels, panels.map((p) => p.what.scale), { head: [Report.title], numbers: (p) => p.readout.textContent.split(" · "), foot: parts.options.marks ? "Ring: the thickest place, the least gap, the least Jacobian." : "" }), fileName(layers[state.layer].name) + ".png") }));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers and colours, on white", onclick: () => Figures.saveCanvas(mapsPicture(parts, panels, panels.map((p) => p.what.scale), { head: [Report.title], numbers: (p) => p.readout.textContent.split(" · "), foot: parts.options.marks ? "Ring: the thickest place, the least gap, the least Jacobian." : "" }), fileName(layers[state.layer].name)) }));
     makeSection("layers", "Layers", controls, make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }),
       make("p", { class: "keys", text: `${keys} Gap: along the normal to the articular surface that it is in contact with, as built, before any load; grey where none faces it within ${Format.with(Report.reach, "length", 3)}. Jacobian: the least at a corner of the column's ${Report.elements_through} elements; 1 is a straight prism on an equilateral triangle, 0 or less is inside out. Ring: the thickest place, the least gap, the least Jacobian.` }));
     parts.onpick = readouts;
@@ -204,34 +185,23 @@ const Page = (() => {
     table: () => ({ left: "lrrr", headings: ["layer", "from", "to", "elements"], rows: layers.filter((l) => l.jacobians).flatMap((l) => l.jacobians.counts.map((c, k) => [l.name, k / l.jacobians.counts.length, (k + 1) / l.jacobians.counts.length, c])) }),
     caption: () => layers.filter((l) => l.jacobians).map((l) => `${l.name}: least ${Format.short(l.jacobians.least)} in the column of triangle ${l.jacobians.triangle}, at (${l.jacobians.where.map((c) => Format.short(c, 5)).join(", ")}).`).join(" ")
   });
-  function figureElement(f) {
-    f.plot = make("div", { class: "plot" });
-    f.words = make("figcaption", { class: "caption" });
-    const button = (text, title, click) => make("button", { text, title, "data-save": text.toLowerCase(), onclick: click });
-    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, make("h3", { text: f.title }), make("span", { class: "save" },
-      button("PNG", "Save as PNG", () => Figures.savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => Figures.saveSvg(f, state, fileName(f.id))), button("CSV", "Save the numbers", () => saveCsv(f.table(), f.id)))), f.plot, f.words);
-    figures.push(f);
-    return f.element;
-  }
-  function drawFigures() {
-    for (const f of figures) {
-      const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
-      if (width < 60) continue;
-      f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
-      f.words.textContent = f.caption(state);
-    }
-  }
   function elements() {
-    if (layers.some((l) => l.jacobians)) makeSection("elements", "Elements", make("div", { class: "figures" }, figureElement(jacobianFigure())));
+    if (!layers.some((l) => l.jacobians)) return;
+    const jacobian = jacobianFigure();
+    figures.push(jacobian);
+    makeSection("elements", "Elements", make("div", { class: "figures" }, Figures.element(jacobian, state)));
   }
 
-  // What was measured of a hip: a picture that is shown as it is, on white. Its numbers are among the tables.
+  // What was measured of a hip: a picture, of which narrow pages show one panel below the other. Its numbers are among the tables.
   function hip() {
     const text = Report.hip_figure;
     if (!text) return;
     const save = make("span", { class: "save" }, make("button", { text: "SVG", title: "Save as SVG", "data-save": "svg", onclick: () => Figures.save(new Blob([text], { type: "image/svg+xml" }), fileName("hip") + ".svg") }));
+    const picture = (svg, attributes) => make("img", { ...attributes, src: "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svg) });
+    const panels = Report.hip_panels.map((box) => picture(text.replace(/ width="[^"]*" height="[^"]*" viewBox="[^"]*"/, ` viewBox="${box}"`), { class: "narrow", alt: "" }));
     makeSection("hip", "Frames and angles", make("figure", { id: "figure-hip", class: "wide" }, make("div", { class: "title" }, make("h3", { text: "What was measured of the hip" }), save),
-      make("img", { id: "hip-figure", alt: "Sections through the centre of the femoral head with the centre-edge angles and the roof; the rim of the socket", src: "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text) })));
+      picture(text, { id: "hip-figure", alt: "Sections through the centre of the femoral head with the centre-edge angles and the roof; the rim of the socket" }),
+      ...panels, make("figcaption", { class: "caption narrow", text: Report.hip_words.join(" ") })));
   }
 
   // ---- what was inferred, numbers, provenance ----
@@ -242,25 +212,15 @@ const Page = (() => {
   }
   function numbers() {
     const s = makeSection("numbers", "Numbers", make("p", { class: "about", text: `As printed by dea build, and the options that it took. ${Report.headline}.` }));
-    for (const t of Report.tables) s.append(make("p", { class: "tabletitle" }, t.title, " ", make("span", { class: "save" }, csvButton(() => t, t.title))), table(t));
+    for (const t of Report.tables) s.append(make("p", { class: "tabletitle" }, t.title, " ", make("span", { class: "save" }, csvButton(() => t, t.title))), makeTable(t));
   }
-  function foot() {
-    $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
-      make("p", { class: "about", text: `${Report.program}. Maps hold the model’s numbers in single precision. Nothing on this page comes from the network.` }),
-      make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
-  }
+  const foot = () => makeFoot("Maps hold the model’s numbers in single precision.");
 
-  function setTheme(theme) {
-    state.theme = theme;
-    document.documentElement.dataset.theme = theme;
-    $("theme").textContent = theme === "dark" ? "Light" : "Dark";
-    for (const m of [whole, parts]) { m.theme = theme; m.request(); }
-    redraw();
-  }
   function redraw() {
+    for (const m of [whole, parts]) { m.theme = state.theme; m.request(); }
     if (whole.panels.length && whole.panels[0].what) bar($("whole-bar"), whole.panels[0].what.scale, whole.options.contours);
     if (panels.length) drawLayer();
-    drawFigures();
+    Figures.drawAll(figures, state, 60);
   }
 
   // The page from top to bottom: a section is a function that appends itself. A new one is a line here.
@@ -270,21 +230,12 @@ const Page = (() => {
     head();
     for (const make of sections) await make();
     foot();
-    const dark = window.matchMedia("(prefers-color-scheme: dark)");
-    setTheme(dark.matches ? "dark" : "light");
-    dark.addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
-    let wide = window.innerWidth, before = "light";
-    window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; redraw(); } });
-    window.addEventListener("beforeprint", () => { before = state.theme; setTheme("light"); for (const m of [whole, parts]) m.draw(); });
-    window.addEventListener("afterprint", () => setTheme(before));
+    followReader(state, redraw, () => { for (const m of [whole, parts]) m.draw(true); figures.forEach((f) => Figures.draw(f, state)); });
     if (!parts.fault) await veil();
     await setLayer();
     document.documentElement.dataset.ready = "true";
   }
-  start().catch((error) => {
-    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
-    console.error(error);
-  });
+  startPage(start);
 
   return { state, get whole() { return whole; }, get parts() { return parts; }, get panels() { return panels; }, setLayer, drawJoint };
 })();

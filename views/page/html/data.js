@@ -44,6 +44,13 @@ const Data = (() => {
     return cache.get(a.id);
   }
 
+  // Numbers that are packed in 16 bits; 65535: undefined.
+  function restored(raw, least, most) {
+    const out = new Float32Array(raw.length), step = 1 / 65534;
+    for (let i = 0; i < raw.length; ++i) { const f = raw[i] * step; out[i] = raw[i] === 65535 ? NaN : least * (1 - f) + most * f; }
+    return out;
+  }
+
   // A field of one result on one surface: value(s) per facet in each state; NaN where undefined.
   class Field {
     constructor(about, values) {
@@ -67,13 +74,8 @@ const Data = (() => {
       const n = this.about.facets, raw = this.values.subarray(place * n, (place + 1) * n);
       if (this.about.exact) return raw;
       if (this.last[0] === s) return this.last[1];
-      const [least, most] = this.about.ranges[s], out = new Float32Array(n), step = 1 / 65534;
-      for (let i = 0; i < n; ++i) {
-        const f = raw[i] * step;
-        out[i] = raw[i] === 65535 ? NaN : least * (1 - f) + most * f;
-      }
-      this.last = [s, out];
-      return out;
+      this.last = [s, restored(raw, ...this.about.ranges[s])];
+      return this.last[1];
     }
   }
 
@@ -121,6 +123,17 @@ const Data = (() => {
     }
     return { points, triangles: Int32Array.from(triangles), facet: Int32Array.from(facet), middles: Int32Array.from(middles) };
   }
+  // Fills what a mesh of triangles alone has beside its points and triangles.
+  function meshOfTriangles(m) {
+    m.facetCount = m.triangles.length / 3;
+    m.corner = m.triangles;
+    m.begin = Int32Array.from({ length: m.facetCount + 1 }, (x, i) => 3 * i);
+    m.facet = Int32Array.from({ length: m.facetCount }, (x, i) => i);
+    m.map = mapMesh(m);
+    return m;
+  }
+  // Below 0 where nothing is above the level.
+  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
   // Values per vertex -> per point; a middle has the mean of its corners.
   function pointValues(m, values) {
     const n = m.vertexCount, c = m.map.middles, out = new Float64Array(n + c.length / 4);
@@ -175,7 +188,7 @@ const Data = (() => {
     return out;
   }
 
-  return { array, mesh, mapMesh, surface, nodalAverage, carried, pointValues };
+  return { array, mesh, meshOfTriangles, restored, above, surface, nodalAverage, carried, pointValues };
 })();
 
 // Numbers as people write them.
@@ -204,7 +217,12 @@ const Format = {
     const unit = Report.units[dimension];
     return Format.short(x) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
   },
-  time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 9); }
+  time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 9); },
+  // "time 2", "cycle 40 %": what a table of loads or motion calls its rows' times.
+  at(time) {
+    const [, name, unit] = /^(.*?)\s*[[(](.*)[\])]$/.exec(Report.time_name) || [null, Report.time_name, ""];
+    return `${name} ${typeof time === "number" ? Format.short(time, 9) : time}${unit && " " + unit}`;
+  }
 };
 
 // Round steps for ticks: 1, 2, 2.5, 5 times a power of ten.
@@ -249,6 +267,45 @@ function csvText(t) {
   return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
 }
 function saveCsv(t, id) { Figures.save(new Blob([csvText(t)], { type: "text/csv" }), fileName(id) + ".csv"); }
+
+function makeTable(t) {
+  const cell = (tag, text, i) => make(tag, { text: String(text), class: t.left[i] === "l" ? "word" : null });
+  return make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
+    make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
+}
+function makeHead(sub) {
+  document.getElementById("head").append(make("div", { class: "top" }, make("div", {}, make("h1", { text: Report.title }), make("p", { class: "sub", text: sub })),
+    make("div", { class: "controls" }, make("button", { id: "theme", title: "Light or dark page" }))));
+}
+function makeFoot(sentence, ...more) {
+  document.getElementById("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }), ...more,
+    make("p", { class: "about", text: `${Report.program}. ${sentence} Nothing on this page comes from the network.` }),
+    make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: document.getElementById("licences").textContent.trim() })));
+}
+// Light or dark as the reader's system is, until the button is pressed; light on paper. `redraw`: in another theme or
+// width; `print`: draws what waits until it is in sight.
+function followReader(state, redraw, print) {
+  const button = document.getElementById("theme"), dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const set = (theme) => {
+    state.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    button.textContent = theme === "dark" ? "Light" : "Dark";
+    redraw();
+  };
+  let wide = window.innerWidth, before = "light";
+  set(dark.matches ? "dark" : "light");
+  button.addEventListener("click", () => set(state.theme === "dark" ? "light" : "dark"));
+  dark.addEventListener("change", (e) => set(e.matches ? "dark" : "light"));
+  window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; redraw(); } });
+  window.addEventListener("beforeprint", () => { before = state.theme; set("light"); print(); });
+  window.addEventListener("afterprint", () => set(before));
+}
+function startPage(start) {
+  start().catch((error) => {
+    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
+    console.error(error);
+  });
+}
 
 // Plays states by a button: `next` goes to the next one and answers how long it stays [ms], or a promise of that.
 function makePlayer(id, next) {

@@ -35,6 +35,15 @@ const Figures = (() => {
     return e;
   }
 
+  const root = (width, height, ink) => svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}`, "font-family": fontFamily, "font-size": 13, fill: ink.ink, role: "img" });
+  // A chart of Plot's inside another picture.
+  function place(parent, chart, x, y) {
+    chart.removeAttribute("class");
+    for (const old of chart.querySelectorAll("style")) old.remove();
+    chart.setAttribute("x", x);
+    chart.setAttribute("y", y);
+    parent.append(chart);
+  }
   // A figure with its legend above, as one SVG. entries: { name, colour, dash, box }.
   function withLegend(chart, entries, ink, width) {
     const size = 13, row = 20;
@@ -47,18 +56,15 @@ const Figures = (() => {
       return place;
     });
     const top = entries.length ? y + row + 6 : 0, height = Number(chart.getAttribute("height")) + top;
-    const root = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}`, "font-family": fontFamily, "font-size": size, fill: ink.ink, role: "img" });
+    const out = root(width, height, ink);
     entries.forEach((e, i) => {
       const [px, py, text] = places[i];
-      if (e.box) root.append(svg("rect", { x: px + 3, y: py + 3, width: 16, height: 12, fill: e.colour }));
-      else root.append(svg("line", { x1: px, x2: px + 22, y1: py + 9, y2: py + 9, stroke: e.colour, "stroke-width": 2.2, "stroke-dasharray": e.dash }));
-      root.append(svg("text", { x: px + 28, y: py + 13.5 }, text));
+      if (e.box) out.append(svg("rect", { x: px + 3, y: py + 3, width: 16, height: 12, fill: e.colour }));
+      else out.append(svg("line", { x1: px, x2: px + 22, y1: py + 9, y2: py + 9, stroke: e.colour, "stroke-width": 2.2, "stroke-dasharray": e.dash }));
+      out.append(svg("text", { x: px + 28, y: py + 13.5 }, text));
     });
-    chart.setAttribute("y", top);
-    chart.removeAttribute("class");
-    for (const old of chart.querySelectorAll("style")) old.remove();
-    root.append(chart);
-    return root;
+    place(out, chart, 0, top);
+    return out;
   }
 
   function base(width, height, ink) {
@@ -81,7 +87,7 @@ const Figures = (() => {
 
   // ---- curves over time ----
   // series: [{ name, times, values, colour, dash }]
-  function curves({ series, quantity, dimension, logarithmic, now, zero = true, x = "time" }, width, ink) {
+  function curves({ series, quantity, dimension, logarithmic, now, zero = true, x = Report.time_name }, width, ink) {
     const points = [], dots = [];
     series.forEach((s, i) => s.times.forEach((t, k) => {
       const y = known(s.values[k]) ? s.values[k] : NaN;
@@ -180,7 +186,7 @@ const Figures = (() => {
     const most = Math.max(1e-12, ...nodal.filter(Boolean).map((v) => v.reduce((a, x) => (x > a ? x : a), 0)));
     const columns = Math.min(last, Math.max(1, Math.floor(width / 280))), each = (width - 22 * (columns - 1)) / columns;
     const side = Math.min(each, 430), rows = Math.ceil(last / columns), high = side + 34;
-    const root = svg("svg", { xmlns: svgns, width, height: rows * high, viewBox: `0 0 ${width} ${rows * high}`, "font-family": fontFamily, "font-size": 13, fill: ink.ink, role: "img" });
+    const out = root(width, rows * high, ink);
     for (let i = 0; i < last; ++i) {
       const points = [], a = nodal[i], b = nodal[last];
       if (a && b) for (let v = 0; v < b.length; ++v) if (!Number.isNaN(a[v]) && (a[v] > 0 || b[v] > 0)) points.push([b[v], a[v]]);
@@ -206,16 +212,12 @@ const Figures = (() => {
           Plot.link(line, { x1: "x1", y1: "y1", x2: "x2", y2: "y2", stroke: ink.ink, strokeWidth: 1.4 })
         ]
       }));
-      chart.removeAttribute("class");
-      for (const old of chart.querySelectorAll("style")) old.remove();
       const x = (i % columns) * (each + 22), y = Math.floor(i / columns) * high;
-      chart.setAttribute("x", x);
-      chart.setAttribute("y", y + 24);
       const words = pattern ? `r = ${Format.number(pattern.r, 3)}, slope ${Format.number(pattern.slope, 3)}` : "no values at this time";
-      root.append(svg("text", { x: x + 62, y: y + 15, "font-weight": 600 }, cut(words, 14, side - 64)));
-      root.append(chart);
+      out.append(svg("text", { x: x + 62, y: y + 15, "font-weight": 600 }, cut(words, 14, side - 64)));
+      place(out, chart, x, y + 24);
     }
-    return root;
+    return out;
   }
 
   // Bars by region: one cluster per region.
@@ -272,7 +274,7 @@ const Figures = (() => {
       x: { domain: extent(rows.map((d) => d.t)) }, y: { zero: true, nice: true, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
         Plot.gridY({ ...grid(ink), ticks: 5 }),
-        Plot.axisX({ ...axis, label: "time", ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
+        Plot.axisX({ ...axis, label: Report.time_name, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
         Plot.axisY({ ...axisAt(margin), label: Format.axis("pressure", "pressure"), tickFormat: tick }),
         Plot.areaY(rows, { x: "t", y1: "p5", y2: "p95", fill: c, fillOpacity: 0.18 }),
         Plot.areaY(rows, { x: "t", y1: "p25", y2: "p75", fill: c, fillOpacity: 0.35 }),
@@ -288,7 +290,7 @@ const Figures = (() => {
 
   const regionName = (state) => { const r = state.surface.about.regions[state.region]; return r ? `, region ${r}` : ""; };
   const where = (state) => `${state.surface.about.title}${regionName(state)}`;
-  const at = (state) => { const t = nowOf(state); return t === null ? "compared states" : `time ${Format.short(t, 9)}`; };
+  const at = (state) => { const t = nowOf(state); return t === null ? "compared states" : Format.at(t); };
   const over = (id, title, quantity, dimension, get, caption) => ({
     id, title, caption: (state) => `${caption} ${where(state)}.`,
     build: (state, width, ink) => curves({ series: measureSeries(state, ink, get), quantity, dimension, now: nowOf(state) }, width, ink)
@@ -346,8 +348,49 @@ const Figures = (() => {
       const times = frames(state).filter((f) => f.unsolved.length).map((f) => (f.time === null ? "the compared states" : Format.short(f.time, 9)));
       if (!times.length) return caption(state);
       const listed = times.length > 8 ? `${times.slice(0, 8).join(", ")}, ... (${times.length} states)` : times.join(", ");
-      return `${caption(state)} No solution: time ${listed}.`;
+      return `${caption(state)} No solution: ${Format.at(listed)}.`;
     };
+  }
+
+  // ---- on the page ----
+  // Heading, buttons that save, plot, caption.
+  function element(f, state) {
+    const button = (text, title, click) => make("button", { text, title, "data-save": text.toLowerCase(), onclick: click });
+    f.plot = make("div", { class: "plot" });
+    f.words = make("figcaption", { class: "caption" });
+    f.head = make("h3", {});
+    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, f.head, make("span", { class: "save" },
+      button("PNG", "Save as PNG", () => savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => saveSvg(f, state, fileName(f.id))),
+      f.table ? button("CSV", "Save the numbers", () => saveCsv(f.table(state), f.id)) : null)), f.plot, f.words);
+    return f.element;
+  }
+  // As wide as there is room.
+  function draw(f, state) {
+    f.element.hidden = f.when ? !f.when(state) : false;
+    const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
+    if (f.element.hidden || width < 60) return;
+    f.head.textContent = typeof f.title === "string" ? f.title : f.title(state);
+    try {
+      f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
+    } catch (error) {  // the other figures are drawn all the same
+      f.plot.replaceChildren(make("p", { class: "fault", text: `This figure could not be drawn: ${error.message}` }));
+      console.error(error);
+    }
+    f.words.textContent = f.caption(state);
+    if (f.drawn) f.drawn();
+  }
+  // Those out of sight after `wait` ms in which nothing else is drawn. `then`: after each of both.
+  let later = 0;
+  function drawAll(figures, state, wait, then = () => {}) {
+    clearTimeout(later);
+    const waiting = [];
+    for (const f of figures) {
+      const box = f.element.getBoundingClientRect();
+      if (!f.element.hidden && (box.top > window.innerHeight + 300 || box.bottom < -300)) waiting.push(f);
+      else draw(f, state);
+    }
+    then();
+    if (waiting.length) later = setTimeout(() => { waiting.forEach((f) => draw(f, state)); then(); }, wait);
   }
 
   // ---- saving ----
@@ -358,6 +401,7 @@ const Figures = (() => {
     link.remove();
     setTimeout(() => URL.revokeObjectURL(url), 10000);
   }
+  async function saveCanvas(canvas, name) { save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png"); }
   function svgText(root, ink) {
     const copy = root.cloneNode(true), paper = svg("rect", { width: "100%", height: "100%", fill: ink.paper });
     copy.insertBefore(paper, copy.firstChild);
@@ -377,7 +421,7 @@ const Figures = (() => {
     canvas.width = k * Number(root.getAttribute("width"));
     canvas.height = k * Number(root.getAttribute("height"));
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
-    save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png");
+    saveCanvas(canvas, name);
   }
   function padded(root) {
     const width = Number(root.getAttribute("width")) + 24, height = Number(root.getAttribute("height")) + 24;
@@ -389,6 +433,6 @@ const Figures = (() => {
   }
 
   // what the figures of studies are made of, too
-  const tools = { svg, svgns, fontFamily, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style };
-  return { list, save, saveSvg, savePng, resultStyle, cut, textWidth, tools };
+  const tools = { svg, svgns, root, place, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style };
+  return { list, element, draw, drawAll, save, saveCanvas, resultStyle, cut, textWidth, tools };
 })();

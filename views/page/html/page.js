@@ -19,10 +19,7 @@ const Page = (() => {
   function build() {
     const units = Report.units.name ? (Report.units.length ? `Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` : `Units: ${Report.units.name}.`) : "The files name no units.";
     const files = results.length === 1 ? results[0].file : results.map((r) => r.file).join(", ");
-    $("head").append(make("div", { class: "top" },
-      make("div", {}, make("h1", { text: Report.title }),
-        make("p", { class: "sub", text: compared ? `Contact pressure of ${results.length} results, ${results[last].label} as the reference. ${units}` : `Contact pressure by discrete element analysis, ${files}. ${units}` })),
-      make("div", { class: "controls" }, make("button", { id: "theme", text: "Dark", title: "Light or dark page", onclick: () => setTheme(state.theme === "dark" ? "light" : "dark") }))));
+    makeHead(compared ? `Contact pressure of ${results.length} results, ${results[last].label} as the reference. ${units}` : `Contact pressure by discrete element analysis, ${files}. ${units}`);
     warnings();
     const main = $("main");
     if (Report.surfaces.length) {
@@ -35,7 +32,7 @@ const Page = (() => {
       if (!figures[key].length) continue;
       const place = make("div", { class: "figures" });
       main.append(make("section", {}, make("h2", { text: title }), key === "now" || !compared ? regionControl(key) : null, place));
-      for (const f of figures[key]) place.append(figureElement(f));
+      for (const f of figures[key]) place.append(Figures.element(f, state));
     }
     tables(main);
     foot();
@@ -142,7 +139,6 @@ const Page = (() => {
   const shown = () => (state.beside ? [state.surface, state.beside] : [state.surface]);
   const values = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
   const edge = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
-  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
   const nodalCache = new Map();
   function nodal(q, i, s = state.surface) {
     const key = [s.index, q, i, Report.frames[state.frame].states[i]].join();
@@ -180,7 +176,9 @@ const Page = (() => {
     const each = all.map((x) => scaleFrom(x, about)), scale = each[0] || scaleFrom(null, about);
     if (each.length > 1) {
       for (const k of ["least", "lowest"]) scale[k] = Math.min(...each.map((x) => x[k]));
-      for (const k of ["most", "highest"]) scale[k] = Math.max(...each.map((x) => x[k]));
+      // of joint spaces that of the narrower one, which is looked at: far from contact a head's gaps are large
+      scale.most = (q === "space" ? Math.min : Math.max)(...each.map((x) => x.most));
+      scale.highest = Math.max(...each.map((x) => x.highest));
       scale.level = scaleStep(scale.least, scale.most);
     }
     scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
@@ -207,7 +205,7 @@ const Page = (() => {
     } else {
       const na = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i)), nb = nodal(q, j);
       out.vertices = na.map((x, k) => x - nb[k]);
-      if (q === "pressure") out.over = [above(na, edge(q, i)), above(nb, edge(q, j))];
+      if (q === "pressure") out.over = [Data.above(na, edge(q, i)), Data.above(nb, edge(q, j))];
     }
     return out;
   }
@@ -244,7 +242,7 @@ const Page = (() => {
           what.vertices = nodal(p.quantity, p.result, s);
           const level = edge(p.quantity, p.result, s);
           what.from = level;
-          if (level !== null) what.over = [above(what.vertices, level)];
+          if (level !== null) what.over = [Data.above(what.vertices, level)];
         }
         else {
           what.facets = v;
@@ -265,7 +263,7 @@ const Page = (() => {
     readouts();
     const frame = Report.frames[state.frame];
     $("slider").value = String(state.frame);
-    $("now").textContent = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}` + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
+    $("now").textContent = frame.time === null ? "compared states, at different times" : Format.at(frame.time) + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
     drawFigures();
   }
 
@@ -288,19 +286,12 @@ const Page = (() => {
   }
 
   function bars(scales) {
-    const host = $("bars"), ink = Colours.ink[state.theme], k = Math.min(2, window.devicePixelRatio || 1);
+    const host = $("bars");
     if (maps.fault) return;
     while (host.children.length > scales.size) host.lastChild.remove();
     while (host.children.length < scales.size) host.append(make("canvas", {}));
     state.bars = [...scales.values()];
-    state.bars.forEach((scale, i) => {
-      const canvas = host.children[i], width = canvas.clientWidth;
-      canvas.width = Math.round(width * k);
-      canvas.height = Math.round(76 * k);
-      canvas.setAttribute("role", "img");
-      canvas.setAttribute("aria-label", `Colours of ${scale.title}: ${Format.short(scale.least)} to ${Format.short(scale.most)}`);
-      drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, ink, maps.options.contours);
-    });
+    state.bars.forEach((scale, i) => paintBar(host.children[i], scale, state.theme, maps.options.contours));
   }
 
   // Below each map: what is under the pointer in all of them, or the numbers of the whole surface.
@@ -388,56 +379,19 @@ const Page = (() => {
     return state.frame === Report.frames.length - 1 ? 1100 : 320;
   });
 
-  // ---- figures ----
-  function figureElement(f) {
-    f.plot = make("div", { class: "plot" });
-    f.words = make("figcaption", { class: "caption" });
-    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null },
-      make("div", { class: "title" }, make("h3", { text: f.title }),
-        make("span", { class: "save" },
-          make("button", { text: "PNG", title: "Save as PNG", "data-save": "png", onclick: () => Figures.savePng(f, state, fileName(f.id)) }),
-          make("button", { text: "SVG", title: "Save as SVG", "data-save": "svg", onclick: () => Figures.saveSvg(f, state, fileName(f.id)) }))),
-      f.plot, f.words);
-    return f.element;
-  }
-  let later = 0;
-  function drawFigures() {
-    // figures out of sight wait until the states stand still
-    const all = [...figures.now, ...figures.time];
-    if (!state.surface && Report.surfaces.length) return;
-    clearTimeout(later);
-    const waiting = [];
-    for (const f of all) {
-      if (f.when) f.element.hidden = !f.when(state);
-      if (f.element.hidden) continue;
-      const box = f.element.getBoundingClientRect();
-      if (box.top > window.innerHeight + 200 || box.bottom < -200) waiting.push(f);
-      else drawFigure(f);
-    }
-    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), player.on ? 600 : 120);
-  }
-  function drawFigure(f) {
-    const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
-    if (width < 60) return;
-    f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
-    f.words.textContent = f.caption(state);
+  function drawFigures() {  // those out of sight wait until the states stand still
+    if (state.surface || !Report.surfaces.length) Figures.drawAll([...figures.now, ...figures.time], state, player.on ? 600 : 120);
   }
 
   // ---- all maps in one picture, on white ----
-  async function saveMaps() {
+  function saveMaps() {
     const frame = Report.frames[state.frame], marked = maps.options.marks && panels.some((p) => p.marks.length);
-    const when = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}`;
+    const when = frame.time === null ? "compared states, at different times" : Format.at(frame.time);
     const words = { columns: state.columns, head: [Report.title, `${shown().map((s) => s.about.title).join(" and ")}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
-    Figures.save(await mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
+    Figures.saveCanvas(mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(frame)}`));
   }
 
   // ---- tables, texts, provenance ----
-  function table(t) {
-    const cell = (tag, text, i) => make(tag, { text, class: t.left[i] === "l" ? "word" : null });
-    return make("div", { class: "scroll" }, make("table", {},
-      make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
-      make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
-  }
   function tables(main) {
     if (!Report.tables.length) return;
     const section = make("section", { id: "tables" }, make("h2", { text: "Numbers" }),
@@ -445,8 +399,8 @@ const Page = (() => {
     for (const t of Report.tables) {
       if (t.title) section.append(make("p", { class: "tabletitle", text: t.title.charAt(0).toUpperCase() + t.title.slice(1) }));
       if (!t.headings.length) continue;
-      if (t.rows.length > 40) section.append(make("details", { open: true }, make("summary", { text: `${t.rows.length} rows` }), table(t)));
-      else section.append(table(t));
+      if (t.rows.length > 40) section.append(make("details", { open: true }, make("summary", { text: `${t.rows.length} rows` }), makeTable(t)));
+      else section.append(makeTable(t));
     }
     main.append(section);
     for (const t of Report.texts)
@@ -456,22 +410,11 @@ const Page = (() => {
   }
   function foot() {
     const rows = results.map((r) => [r.label, r.file, r.software || "–", String(r.times.length), r.times.length ? `${Format.short(r.times[0], 9)} to ${Format.short(r.times[r.times.length - 1], 9)}` : "–"]);
-    $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
-      table({ headings: ["result", "file", "written by", "states", "times"], left: "lllrl", rows }),
-      make("p", { class: "about", text: `${Report.program}. ${Report.exact ? "Maps hold the files’ own numbers." : "Maps hold numbers in 16 bits: within 1/65534 of the range of the state."} Numbers in figures and tables were computed from the files before. Nothing on this page comes from the network.` }),
-      make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
+    makeFoot(`${Report.exact ? "Maps hold the files’ own numbers." : "Maps hold numbers in 16 bits: within 1/65534 of the range of the state."} Numbers in figures and tables were computed from the files before.`,
+      makeTable({ headings: ["result", "file", "written by", "states", "times"], left: "lllrl", rows }));
   }
 
-  // ---- theme, keys, size, print ----
-  function setTheme(theme) {
-    state.theme = theme;
-    document.documentElement.dataset.theme = theme;
-    $("theme").textContent = theme === "dark" ? "Light" : "Dark";
-    maps.theme = theme;
-    maps.request();
-    update();
-    if (!Report.surfaces.length) drawFigures();
-  }
+  // ---- keys ----
   function keys(e) {
     if (e.ctrlKey || e.metaKey || e.altKey || !Report.surfaces.length) return;
     const tag = e.target.tagName, control = ["SELECT", "TEXTAREA", "SUMMARY"].includes(tag) || (tag === "INPUT" && e.target.type !== "range");
@@ -489,24 +432,15 @@ const Page = (() => {
 
   async function start() {
     build();
-    const dark = window.matchMedia("(prefers-color-scheme: dark)");
-    setTheme(dark.matches ? "dark" : "light");
-    dark.addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
+    followReader(state, () => { maps.theme = state.theme; maps.request(); update(); if (!Report.surfaces.length) drawFigures(); },
+      () => { player.play(false); maps.draw(true); [...figures.now, ...figures.time].forEach((f) => Figures.draw(f, state)); });
     document.addEventListener("keydown", keys);
-    let wide = window.innerWidth;
-    window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; update(); } });
-    let before = "light";
-    window.addEventListener("beforeprint", () => { before = state.theme; player.play(false); setTheme("light"); maps.draw(); [...figures.now, ...figures.time].forEach((f) => f.element.hidden || drawFigure(f)); });
-    window.addEventListener("afterprint", () => setTheme(before));
     if (Report.surfaces.length) await setSurface(0, -1);
     else drawFigures();
     document.documentElement.dataset.ready = "true";
     maps.setVeil(Report.context);
   }
-  start().catch((error) => {
-    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
-    console.error(error);
-  });
+  startPage(start);
 
   return { state, maps, setFrame, setSurface, update, get panels() { return panels; } };
 })();

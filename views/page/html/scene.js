@@ -377,9 +377,10 @@ class Maps {
     this.rest = performance.now() + 250;
   }
 
-  draw() {
+  // `all`: also what is out of sight, as on paper.
+  draw(all = false) {
     if (this.fault) return;
-    const start = performance.now(), moving = this.slow && start < (this.rest || 0);
+    const start = performance.now(), moving = !all && this.slow && start < (this.rest || 0);
     this.plain = moving;
     if (moving) {
       clearTimeout(this.later);
@@ -387,7 +388,7 @@ class Maps {
     }
     const ink = Colours.ink[this.theme], k = Math.min(2, window.devicePixelRatio || 1);
     for (const panel of this.panels) {
-      if (!panel.visible || !panel.what) continue;
+      if (!(panel.visible || all) || !panel.what) continue;
       const width = Math.round(panel.canvas.clientWidth * k), height = Math.round(panel.canvas.clientHeight * k);
       if (!(width > 0 && height > 0)) continue;
       if (panel.canvas.width !== width || panel.canvas.height !== height) {
@@ -605,8 +606,11 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   const font = getComputedStyle(document.body).fontFamily, height = 15, top = 24;
   c.font = `14px ${font}`;
   const swatchText = scale.noneText ? c.measureText(scale.noneText).width : 0;
+  const ticks = [], margin = 1e-6 * scale.level;
+  for (let i = Math.ceil(scale.least / scale.level - 1e-6); i * scale.level <= scale.most + margin && ticks.length < 20; ++i) ticks.push(i * scale.level);
+  const texts = ticks.map((value) => Format.short(value)), first = c.measureText(texts[0] || "").width / 2;
   const left = 2, swatch = scale.noneText ? 34 : 0, gap = scale.noneText ? Math.max(22, swatchText - swatch + 30) : 0;
-  const from = left + swatch + gap + (swatch ? 0 : 14), to = width - 26, span = Math.max(40, to - from);
+  const from = left + swatch + gap + (swatch ? 0 : Math.max(14, first)), to = width - 26, span = Math.max(40, to - from);
   c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
   c.fillText(scale.title, from, 15, width - from);
   if (swatch) {
@@ -620,8 +624,6 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
     c.fillRect(from + i * span / 256, top, span / 256 + 0.6, height);
   }
   const place = (value) => from + span * (value - scale.least) / (scale.most - scale.least);
-  const ticks = [], margin = 1e-6 * scale.level;
-  for (let i = Math.ceil(scale.least / scale.level - 1e-6); i * scale.level <= scale.most + margin && ticks.length < 20; ++i) ticks.push(i * scale.level);
   if (contours) for (const value of ticks) {
     if ((Math.abs(value) < margin && !scale.zero) || value < scale.least + margin || value > scale.most - margin) continue;
     c.fillStyle = Colours.line(scale.map, (value - scale.least) / (scale.most - scale.least));
@@ -634,7 +636,6 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   if (scale.beyondMost) arrow(from + span, from + span + 12, 1);
   if (scale.beyondLeast) arrow(from, from - 12, 0);
   // every number has a tick; where there is no room for all of them, every second one is written, or fewer
-  const texts = ticks.map((value) => Format.short(value));
   const widest = Math.max(...texts.map((t) => c.measureText(t).width)) + 10, room = span * scale.level / (scale.most - scale.least);
   const every = [1, 2, 5, 10].find((k) => k * room >= widest) || 20;
   c.strokeStyle = ink.soft; c.fillStyle = ink.soft; c.textAlign = "center"; c.lineWidth = 1;
@@ -646,10 +647,21 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   c.restore();
 }
 
-// Panels with their titles and numbers, and the colour bars of their scales, as one PNG on white. `words`: head, lines above all
+// The same on a canvas of its own, as wide as it is on the page.
+function paintBar(canvas, scale, theme, contours) {
+  const k = Math.min(2, window.devicePixelRatio || 1), width = canvas.clientWidth;
+  if (!width) return;
+  canvas.width = Math.round(width * k);
+  canvas.height = Math.round(76 * k);
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", `Colours of ${scale.title}: ${Format.short(scale.least)} to ${Format.short(scale.most)}`);
+  drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, Colours.ink[theme], contours);
+}
+
+// Panels with their titles and numbers, and the colour bars of their scales, on a white canvas. A panel may have `maps` of its own. `words`: head, lines above all
 // (the first in bold); numbers(panel), a list of short texts below it; foot, what the marks are; columns, if not as many as there are panels.
 // Panels of another surface begin a row.
-async function mapsPicture(maps, panels, scales, words = {}) {
+function mapsPicture(maps, panels, scales, words = {}) {
   const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, titleHeight = 34, line = 18, small = 13, pad = 16;
   const columns = words.columns || Math.min(panels.length, 4), cells = [];
   panels.forEach((p, i) => {
@@ -674,7 +686,6 @@ async function mapsPicture(maps, panels, scales, words = {}) {
   const each = titleHeight + side + below, bars = top + rows * each + (rows - 1) * gap + 14;
   const height = bars + barRows * (barHeight + 6) + line * foot.length + pad;
   const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
-  maps.plain = false;
   canvas.width = Math.round(width * k);
   canvas.height = Math.round(height * k);
   c.fillStyle = ink.paper;
@@ -691,7 +702,8 @@ async function mapsPicture(maps, panels, scales, words = {}) {
   panels.forEach((p, i) => {
     const [column, row] = cells[i], x = pad + column * (side + gap), y = top + row * (each + gap);
     text(Figures.cut(p.title(), 17, side), x, y + 20, 16, true, ink.ink);
-    maps.drawPanel(p, c, Math.round(x * k), Math.round((y + titleHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
+    (p.maps || maps).plain = false;
+    (p.maps || maps).drawPanel(p, c, Math.round(x * k), Math.round((y + titleHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
     numbers[i].forEach((t, n) => text(t, x, y + titleHeight - 6 + side + line * (n + 1), small, false, ink.soft));
   });
   scales.forEach((scale, i) => {
@@ -699,7 +711,6 @@ async function mapsPicture(maps, panels, scales, words = {}) {
     drawBar(c, (pad + (i % perRow) * (wide + 30)) * k, (bars + Math.floor(i / perRow) * (barHeight + 6)) * k, wide, k, scale, ink, maps.options.contours);
   });
   foot.forEach((t, i) => text(t, pad, bars + barRows * (barHeight + 6) + line * (i + 0.6), small, false, ink.soft));
-  const blob = await new Promise((done) => canvas.toBlob(done, "image/png"));
-  maps.request();
-  return blob;
+  for (const p of panels) (p.maps || maps).request();
+  return canvas;
 }

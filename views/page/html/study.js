@@ -5,6 +5,7 @@ const Page = (() => {
   const $ = (id) => document.getElementById(id), columns = Report.columns, one = Report.study;
   const state = { statistic: 0, place: 0, choice: Math.max(0, Report.choices.length - 1), x: 0, second: -1, third: -1, kind: "map", fixed: [], by: -1, lines: { places: [], values: [] }, dosed: null, theme: "light" };
   const figures = [];
+  Report.choices = Report.choices.map((c) => c.replace(/^time (.+)/, (all, time) => Format.at(time)));
   let places = null, ticket = 0;
 
   // ---- small things ----
@@ -12,10 +13,8 @@ const Page = (() => {
   const select = (id, label, options, value, change) => makeSelect(id, label, options, value, (v) => change(Number(v)));
   const shown = (x) => (typeof x === "number" ? Format.short(x, 5) : x === "" ? "–" : String(x));
   function table(t, most = 200) {
-    const words = t.headings.map((h, i) => t.rows.some((r) => typeof r[i] === "string" && r[i] !== ""));
-    const cell = (tag, text, i) => make(tag, { text, class: words[i] ? "word" : null });
-    const out = make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
-      make("tbody", {}, ...t.rows.slice(0, most).map((r) => make("tr", {}, ...r.map((x, i) => cell("td", shown(x), i)))))));
+    const left = t.headings.map((h, i) => (t.rows.some((r) => typeof r[i] === "string" && r[i] !== "") ? "l" : "r"));
+    const out = makeTable({ headings: t.headings, left, rows: t.rows.slice(0, most).map((r) => r.map(shown)) });
     return t.rows.length > most ? make("div", {}, out, make("p", { class: "count", text: `The first ${most} of ${t.rows.length} rows; CSV has all.` })) : out;
   }
   const placeOf = (number) => { if (!places) places = new Map([...Study.numbers].map((n, i) => [n, i])); return places.get(number) ?? -1; };
@@ -23,9 +22,7 @@ const Page = (() => {
   // ---- head: failures first, then what the study is ----
   function head() {
     const units = Report.units.length ? `Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` : "No units are known: neither --units nor the model, where it is still beside the study, names them.";
-    $("head").append(make("div", { class: "top" },
-      make("div", {}, make("h1", { text: Report.title }), make("p", { class: "sub", text: `A study of ${plural(one.there, "case")} with ${plural(one.states, "state")}${one.models.length > 1 ? ` of ${one.models.length} models` : ""}, by discrete element analysis. ${units}` })),
-      make("div", { class: "controls" }, make("button", { id: "theme", text: "Dark", title: "Light or dark page", onclick: () => setTheme(state.theme === "dark" ? "light" : "dark") }))));
+    makeHead(`A study of ${plural(one.there, "case")} with ${plural(one.states, "state")}${one.models.length > 1 ? ` of ${one.models.length} models` : ""}, by discrete element analysis. ${units}`);
     failures();
   }
   function reasons(list) {
@@ -57,7 +54,7 @@ const Page = (() => {
       const values = c ? (c.levels.length > 14 ? `${c.levels.length} values from ${c.levels[0]} to ${c.levels.at(-1)}` : c.levels.join(", ")) : fixed ? `always ${fixed.value}` : "";
       add(`Factor ${f.name}`, `--${f.option} ${f.text}${f.spread ? `, drawn ${f.spread}` : ""}: ${values}`);
     }
-    add("States", one.same_times && one.times.length ? `${one.states}: ${one.times.length === 1 ? `time ${one.times[0]}` : one.times.length > 14 ? `times ${one.times[0]} to ${one.times.at(-1)}` : "times " + one.times.join(", ")}` : `up to ${one.states}; their times differ from case to case`);
+    add("States", one.same_times && one.times.length ? `${one.states}: ${Format.at(one.times.length > 14 ? `${one.times[0]} to ${one.times.at(-1)}` : one.times.join(", "))}` : `up to ${one.states}; their times differ from case to case`);
     add("Options", one.options.join("  "));
     const told = columns.filter((c) => c.of).map((c) => `${c.name} (${c.levels.length > 6 ? `${c.levels.length} values` : c.levels.join(", ")})`);
     if (Report.subjects) add("Subjects", `${Report.subjects}, ${told.length ? `a row per ${columns.find((c) => c.of).of}: ${told.join("; ")}` : "of which nothing differs from case to case"}`);
@@ -98,51 +95,21 @@ const Page = (() => {
 
   // ---- figures ----
   function figureElement(f) {
+    const rows = make("details", { class: "numbers", ontoggle: () => f.drawn() }, make("summary", { text: "Table" }));
+    f.drawn = () => { if (rows.open) rows.replaceChildren(rows.firstChild, table(f.table(state), 60)); };
+    figures.push(f);
+    Figures.element(f, state).append(rows);
     // a mark of a case: the maps turn to it
-    f.plot = make("div", { class: "plot", onclick: (e) => {
+    f.plot.addEventListener("click", (e) => {
       const said = e.target.querySelector && e.target.querySelector("title"), found = said && /^case (\d+)\b/.exec(said.textContent);
       if (found && Report.maps && StudyMaps.showCase(Number(found[1]))) $("maps").scrollIntoView({ behavior: "smooth" });
-    } });
-    f.words = make("figcaption", { class: "caption" });
-    f.head = make("h3", { text: f.title(state) });
-    f.rows = make("details", { class: "numbers", ontoggle: () => drawTable(f) }, make("summary", { text: "Table" }));
-    const button = (text, title, click) => make("button", { text, title, "data-save": text.toLowerCase(), onclick: click });
-    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, f.head, make("span", { class: "save" },
-      button("PNG", "Save as PNG", () => Figures.savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => Figures.saveSvg(f, state, fileName(f.id))), button("CSV", "Save the numbers", () => saveCsv(f.table(state), f.id)))), f.plot, f.words, f.rows);
-    figures.push(f);
+    });
     return f.element;
   }
   const figureRow = (...list) => make("div", { class: "figures" }, ...list.map(figureElement));
-  function drawTable(f) {
-    if (f.rows.open) f.rows.replaceChildren(f.rows.firstChild, table(f.table(state), 60));
-  }
-  function drawFigure(f) {
-    f.element.hidden = f.when ? !f.when(state) : false;
-    if (f.element.hidden) return;
-    const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
-    if (width < 60) return;
-    f.head.textContent = f.title(state);
-    try {
-      f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
-    } catch (error) {  // the other figures are drawn all the same
-      f.plot.replaceChildren(make("p", { class: "fault", text: `This figure could not be drawn: ${error.message}` }));
-      console.error(error);
-    }
-    f.words.textContent = f.caption(state);
-    drawTable(f);
-  }
-  let later = 0;
   function drawFigures() {
-    clearTimeout(later);
-    const waiting = [];
     for (const s of sections()) s.hidden = false;  // or its figures have no width
-    for (const f of figures) {
-      const box = f.element.getBoundingClientRect();
-      if (!f.element.hidden && (box.top > window.innerHeight + 300 || box.bottom < -300)) waiting.push(f);
-      else drawFigure(f);
-    }
-    hideEmptySections();
-    if (waiting.length) later = setTimeout(() => { waiting.forEach(drawFigure); hideEmptySections(); }, 60);
+    Figures.drawAll(figures, state, 60, hideEmptySections);
   }
   // A section of which nothing is shown but its heading.
   function hideEmptySections() {
@@ -255,7 +222,7 @@ const Page = (() => {
     if (number === state.dosed) return;
     state.dosed = number;
     const f = figures.find((x) => x.id === "dose");
-    if (f) drawFigure(f);
+    if (f) Figures.draw(f, state);
   }
   function casesTable() {
     const statistics = Report.places.length ? Report.statistics : [];
@@ -270,19 +237,7 @@ const Page = (() => {
     makeSection("cases", "Cases", make("p", { class: "about", text: `${Report.places.length ? "Of the contact or region and the state that are chosen above." : "No case has numbers: all were refused."}${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
       make("p", { class: "save" }, make("button", { id: "cases-csv", text: "CSV", "data-save": "csv", onclick: async () => saveCsv(await loaded(), "cases") })), details);
   }
-  function foot() {
-    $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
-      make("p", { class: "about", text: `${Report.program}. Statistics were computed from the study's file before; figures draw numbers in single precision, maps hold them in 16 bits. Nothing on this page comes from the network.` }),
-      make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
-  }
-
-  function setTheme(theme) {
-    state.theme = theme;
-    document.documentElement.dataset.theme = theme;
-    $("theme").textContent = theme === "dark" ? "Light" : "Dark";
-    if (Report.maps) StudyMaps.setTheme(theme);
-    if (Study.numbers) drawFigures();
-  }
+  const foot = () => makeFoot("Statistics were computed from the study's file before; figures draw numbers in single precision, maps hold them in 16 bits.");
   const api = { state, figures, placeOf, mapMoved, changed };
   // Whatever is of the contacts' numbers: no case has any where none was more than refused. Returns the maps' section.
   function numbers() {
@@ -304,14 +259,8 @@ const Page = (() => {
     const mapSection = Report.places.length ? numbers() : null;
     await cases();
     foot();
-    const dark = window.matchMedia("(prefers-color-scheme: dark)");
-    setTheme(dark.matches ? "dark" : "light");
-    dark.addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
-    let wide = window.innerWidth;
-    window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; drawFigures(); if (Report.maps) StudyMaps.drawBarNow(); } });
-    let before = "light";
-    window.addEventListener("beforeprint", () => { before = state.theme; setTheme("light"); figures.forEach(drawFigure); });
-    window.addEventListener("afterprint", () => setTheme(before));
+    followReader(state, () => { if (Report.maps) StudyMaps.setTheme(state.theme); drawFigures(); },
+      () => { figures.forEach((f) => Figures.draw(f, state)); if (Report.maps) StudyMaps.maps.forEach((m) => m && m.draw(true)); });
     if (Report.places.length) await changed();
     if (Report.maps && mapSection) {
       const whole = Report.places.map((p, i) => i).filter((i) => !Report.places[i].part);
@@ -321,9 +270,6 @@ const Page = (() => {
     }
     document.documentElement.dataset.ready = "true";
   }
-  start().catch((error) => {
-    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
-    console.error(error);
-  });
+  startPage(start);
   return api;
 })();

@@ -4,7 +4,9 @@
 
 // The numbers of the shown cases, unpacked.
 const Study = (() => {
-  const columns = Report.columns.map((c) => ({ ...c, numbers: c.levels.map((l) => (c.numeric ? Number(l) : NaN)), level: null }));
+  // unit: behind a number
+  const unitOf = (c) => { const unit = Format.unit(c.dimension); return { label: c.name + (unit && ` [${unit}]`), unit: unit.length > 1 ? " " + unit : unit }; };
+  const columns = Report.columns.map((c) => ({ ...c, ...unitOf(c), numbers: c.levels.map((l) => (c.numeric ? Number(l) : NaN)), level: null }));
   const own = columns.filter((c) => !c.of);  // the study's; those of a table of subjects stand behind them
   const out = { columns, own, numbers: null, outcomes: null, count: 0, cells: null, kept: new Map() };
   out.start = async () => {
@@ -29,12 +31,13 @@ const Study = (() => {
     return i < 0 || !v ? NaN : v[i * Report.choices.length + choice];
   };
   out.level = (c, i) => columns[c].levels[columns[c].level[i]];
-  out.words = (i) => columns.map((c, k) => `${c.name} = ${out.level(k, i)}`).join(", ");
+  out.said = (c, level) => `${c.name} = ${c.levels[level]}${c.unit}`;
+  out.words = (i) => columns.map((c) => out.said(c, c.level[i])).join(", ");
   return out;
 })();
 
 const StudyFigures = (() => {
-  const { svg, svgns, fontFamily, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style } = Figures.tools;
+  const { svg, svgns, root, place, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style } = Figures.tools;
   const cut = Figures.cut, textWidth = Figures.textWidth, kMostLines = 12, kMostPanels = 12, kMostDots = 3000;
 
   const statistic = (state) => Report.statistics[state.statistic];
@@ -51,16 +54,6 @@ const StudyFigures = (() => {
   const seriesStyle = (i, ink) => style(i, 99, ink, false);
   const exact = (x) => (known(x) ? Number(Number(x).toPrecision(7)) : "");
 
-  function root(width, height, ink) {
-    return svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}`, "font-family": fontFamily, "font-size": 13, fill: ink.ink, role: "img" });
-  }
-  function place(parent, chart, x, y) {
-    chart.removeAttribute("class");
-    for (const old of chart.querySelectorAll("style")) old.remove();
-    chart.setAttribute("x", x);
-    chart.setAttribute("y", y);
-    parent.append(chart);
-  }
   // Charts side by side, each with a title; the legend above them.
   function panels(charts, titles, entries, width, ink, extra) {
     const columns = charts.length < 2 ? 1 : Math.max(1, Math.min(charts.length, Math.floor(width / 230)));
@@ -83,11 +76,11 @@ const StudyFigures = (() => {
   }
   // Colours of a scale, as a figure's head.
   function colourBar(title, scale, width, ink) {
-    const out = root(width, 46, ink), from = 8, to = Math.min(width - 24, 380), span = to - from;
+    const ticks = lines(scale, true), texts = ticks.map((v) => Format.short(v, 6)), widest = Math.max(...texts.map((t) => textWidth(t, 12)));
+    const out = root(width, 46, ink), from = Math.max(8, widest / 2), to = Math.min(width - Math.max(24, widest / 2), 380), span = to - from;
     out.append(svg("text", { x: from, y: 13 }, cut(title, 13, width - 20)));
     for (let i = 0; i < 64; ++i) out.append(svg("rect", { x: from + i * span / 64, y: 19, width: span / 64 + 0.5, height: 10, fill: Colours.css("sequential", (i + 0.5) / 64) }));
-    const ticks = lines(scale, true), texts = ticks.map((v) => Format.short(v, 6)), room = span / Math.max(1, ticks.length - 1);
-    const every = Math.max(1, Math.ceil((Math.max(...texts.map((t) => textWidth(t, 12))) + 8) / room));
+    const every = Math.max(1, Math.ceil((widest + 8) / (span / Math.max(1, ticks.length - 1))));
     ticks.forEach((v, i) => {
       const x = from + span * (v - scale.low) / (scale.high - scale.low);
       out.append(svg("line", { x1: x, x2: x, y1: 29, y2: 32, stroke: ink.soft }));
@@ -133,19 +126,19 @@ const StudyFigures = (() => {
     return { second, third };
   }
   function fixedWords(state, used) {
-    const words = Study.own.map((c, k) => (used.includes(k) ? null : `${c.name} = ${c.levels[state.fixed[k]]}`)).filter(Boolean);
+    const words = Study.own.map((c, k) => (used.includes(k) ? null : Study.said(c, state.fixed[k]))).filter(Boolean);
     return words.length ? `; ${words.join(", ")}` : "";
   }
   function xScale(c) {
     const col = column(c);
-    return col.numeric ? { label: col.name, domain: extent(col.numbers) } : { label: col.name, type: "point", domain: col.levels, padding: 0.5 };
+    return col.numeric ? { label: col.label, domain: extent(col.numbers) } : { label: col.name, type: "point", domain: col.levels, padding: 0.5 };
   }
   const xOf = (c, level) => (column(c).numeric ? column(c).numbers[level] : column(c).levels[level]);
   function axisX(c, width) {
     const col = column(c), few = col.numeric && col.levels.length <= Math.max(3, Math.floor(width / 52));
     const room = (width - 70) / Math.max(1, col.levels.length);  // beside the other axis
     const every = Math.ceil(46 / room);  // of words: those that have room
-    return Plot.axisX({ ...axis, label: cut(col.name, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
+    return Plot.axisX({ ...axis, label: cut(col.label, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
       tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room * every - 4) });
   }
 
@@ -182,12 +175,12 @@ const StudyFigures = (() => {
   }
   function panelLevels(third) { return third < 0 ? [null] : levelsOf(third, kMostPanels); }
   const panelMap = (third, l) => (l === null ? new Map() : new Map([[third, l]]));
-  const panelTitles = (third) => (third < 0 ? null : panelLevels(third).map((l) => `${column(third).name} = ${column(third).levels[l]}`));
+  const panelTitles = (third) => (third < 0 ? null : panelLevels(third).map((l) => Study.said(column(third), l)));
 
   function curve(state, width, ink) {
     const { second, third } = response(state), all = panelLevels(third).map((l) => curvePoints(state, second, panelMap(third, l)));
     const domain = domainOf(all.flat().map((p) => p.y));
-    const entries = second < 0 ? [] : levelsOf(second, kMostLines).map((l, i) => ({ name: `${column(second).name} = ${column(second).levels[l]}`, ...seriesStyle(i, ink) }));
+    const entries = second < 0 ? [] : levelsOf(second, kMostLines).map((l, i) => ({ name: Study.said(column(second), l), ...seriesStyle(i, ink) }));
     return panels(all.map((points) => curveChart(state, second, points, domain, ink)), panelTitles(third), entries, width, ink);
   }
   function curveTable(state) {
@@ -247,7 +240,7 @@ const StudyFigures = (() => {
           Plot.text(labels, { x: "x", y: "y", text: (d) => Format.short(d.level, 6), fill: (d) => line(d.level).replace("0.75", "1"), stroke: (d) => Colours.css("sequential", share(scale, d.level)), strokeWidth: 3, fontSize: 12 }),
           Plot.text(marks, { x: (d) => (d.x1 + d.x2) / 2, y: (d) => (d.y1 + d.y2) / 2, text: "sign", fill: (d) => line(d.v).replace("0.75", "1"), fontSize: 15, fontWeight: 700 }),
           Plot.text(boxes.filter((d) => !known(d.v)), { x: "x", y: "y", text: () => "×", fill: ink.ink, fontSize: 14 }),
-          axisX(state.x, width), Plot.axisY({ ...axisAt(margin), label: cut(column(second).name, 13, 200), tickFormat: tick, ticks: y.length <= 12 ? y : 6 })
+          axisX(state.x, width), Plot.axisY({ ...axisAt(margin), label: cut(column(second).label, 13, 200), tickFormat: tick, ticks: y.length <= 12 ? y : 6 })
         ]
       }));
     };
@@ -297,7 +290,7 @@ const StudyFigures = (() => {
         if (!gridded(s)) return `A dot per case${dotsOf(s).every > 1 ? `, of one case in ${dotsOf(s).every}` : ""}; × on the axis: no solution. ${where(s)}.`;
         const few = (c, most) => (c >= 0 && column(c).shown.length > most ? ` ${most} of ${column(c).shown.length} values of ${column(c).name}.` : "");
         const all = curveTable(s).rows.filter((r) => known(r.at(-1)) && r.at(-1) !== "").sort((p, q) => p.at(-1) - q.at(-1));
-        const at = (r) => `${Format.printed(r.at(-1), statistic(s).dimension)} (case ${r[0]}: ${Study.columns.map((c, k) => (used.includes(k) ? `${c.name} = ${r[k + 1]}` : null)).filter(Boolean).join(", ")})`;
+        const at = (r) => `${Format.printed(r.at(-1), statistic(s).dimension)} (case ${r[0]}: ${Study.columns.map((c, k) => (used.includes(k) ? `${c.name} = ${r[k + 1]}${c.unit}` : null)).filter(Boolean).join(", ")})`;
         const ends = all.length > 1 ? ` Least ${at(all[0])}, largest ${at(all.at(-1))}.` : "";
         const cut = (s.kind === "map" && canMap(s) ? "" : few(second, kMostLines)) + few(third, kMostPanels);
         const drawn = s.kind === "map" && canMap(s) ? "Each field of the map is a case; lines of equal value are linear between cases; ▽ least, △ largest" : `Each dot is a case${second < 0 && !column(s.x).numeric ? "" : "; lines only join them"}`;
@@ -316,7 +309,7 @@ const StudyFigures = (() => {
       const b = g.bands[state.statistic][state.place];
       return t.map((x, k) => ({ x, low: b.low[k] ?? NaN, high: b.high[k] ?? NaN, mean: b.mean[k] ?? NaN, median: b.median[k] ?? NaN }));
     });
-    const label = Report.bands.percent ? "% of the cycle" : "time", thin = Math.min(0.6, Math.max(0.14, 25 / Math.max(1, drawn.places.length)));
+    const label = Report.bands.percent ? "% of the cycle" : Report.time_name, thin = Math.min(0.6, Math.max(0.14, 25 / Math.max(1, drawn.places.length)));
     const chart = (w) => fitted((margin) => Plot.plot({
       ...base(w, 330, ink), marginLeft: margin, x: { label, domain: extent(t) }, y: { nice: true, zero: true, domain: domainOf(points.map((p) => p.y)) },
       marks: [
@@ -328,7 +321,7 @@ const StudyFigures = (() => {
         ...(state.by < 0 ? bands : []).map((b, g) => Plot.line(b, { x: "x", y: "median", stroke: seriesStyle(g, ink).colour, strokeWidth: 1.4, strokeDasharray: "4,3" }))
       ]
     }));
-    const name = (g) => (g.column < 0 ? "mean" : `${column(g.column).name} = ${column(g.column).levels[g.level]}`);
+    const name = (g) => (g.column < 0 ? "mean" : Study.said(column(g.column), g.level));
     const entries = groups.map((g, k) => ({ name: name(g), ...seriesStyle(k, ink) }));
     if (state.by < 0) entries.push({ name: "median", colour: seriesStyle(0, ink).colour, dash: "4,3" });
     return panels([chart], null, entries, width, ink);
@@ -339,7 +332,7 @@ const StudyFigures = (() => {
       const b = g.bands[state.statistic][state.place];
       Report.bands.instants.forEach((t, k) => rows.push([g.column < 0 ? "all" : column(g.column).levels[g.level], t, b.count[k], exact(b.mean[k]), exact(b.sd[k]), exact(b.median[k]), exact(b.low[k]), exact(b.high[k])]));
     }
-    return { headings: [state.by < 0 ? "cases" : column(state.by).name, Report.bands.percent ? "percent of cycle" : "time", "count", "mean", "sd", "median", "p5", "p95"], rows };
+    return { headings: [state.by < 0 ? "cases" : column(state.by).name, Report.bands.percent ? "percent of cycle" : Report.time_name, "count", "mean", "sd", "median", "p5", "p95"], rows };
   }
   const cycleFigure = () => ({
     id: "cycle", title: (s) => `${statistic(s).title} over the cycle`, wide: true, build: cycle, table: cycleTable,
@@ -394,7 +387,7 @@ const StudyFigures = (() => {
   });
 
   // ---- pairs ----
-  const pairNames = () => [Report.pairs.first, Report.pairs.second].map((l) => `${column(Report.pairs.column).name} = ${column(Report.pairs.column).levels[l]}`);
+  const pairNames = () => [Report.pairs.first, Report.pairs.second].map((l) => Study.said(column(Report.pairs.column), l));
   function pairValues(state) {
     return Report.pairs.cases.map(([a, b]) => ({ a, b, first: Study.value(state, a), second: Study.value(state, b) })).filter((p) => known(p.first) && known(p.second));
   }

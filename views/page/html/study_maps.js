@@ -46,12 +46,7 @@ const StudyMaps = (() => {
     const e = field.entries.findIndex((x) => x[0] === kind);
     if (e < 0) return null;
     const n = surfaceOf(field).count, raw = (await Data.array(field.values)).subarray(e * n, (e + 1) * n);
-    return { values: restored(raw, field.entries[e][1], field.entries[e][2]), edge: field.entries[e][3] ?? Infinity };
-  }
-  function restored(raw, least, most) {
-    const out = new Float32Array(raw.length), step = 1 / 65534;
-    for (let i = 0; i < raw.length; ++i) { const f = raw[i] * step; out[i] = raw[i] === 65535 ? NaN : least * (1 - f) + most * f; }
-    return out;
+    return { values: Data.restored(raw, field.entries[e][1], field.entries[e][2]), edge: field.entries[e][3] ?? Infinity };
   }
   // Linear between stored cases.
   async function blended(of, kind) {
@@ -102,7 +97,7 @@ const StudyMaps = (() => {
     const of = view.show.startsWith("difference") ? k.differences[Number(view.show.slice(10))] : k.groups[view.group];
     if (!of) return null;
     const packed = view.show === "means" ? of.mean : view.show === "deviations" ? of.sd : of.values;
-    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of, count: of.count ? await Data.array(of.count) : null };
+    return { values: Data.restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of, count: of.count ? await Data.array(of.count) : null };
   }
   async function current() {
     const of = corners();
@@ -117,16 +112,13 @@ const StudyMaps = (() => {
     return { surface, shown, of, message: shown ? "" : view.show === "state" ? "no solution in this state" : "a state is missing" };
   }
 
-  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
   async function flatMesh(surface, mesh) {
     const s = about.surfaces[surface];
     if (!s.flat) return null;
     if (!s.flatMesh) {
       const p = await Data.array(s.flat.points), t = await Data.array(s.flat.triangles), n = p.length / 2, vertices = new Float32Array(3 * n);
       for (let i = 0; i < n; ++i) { vertices[3 * i] = p[2 * i]; vertices[3 * i + 1] = p[2 * i + 1]; }
-      const m = { ...mesh, vertices, triangles: t, facetCount: t.length / 3, corner: t, begin: Int32Array.from({ length: t.length / 3 + 1 }, (x, i) => 3 * i), facet: Int32Array.from({ length: t.length / 3 }, (x, i) => i) };
-      m.map = Data.mapMesh(m);
-      s.flatMesh = m;
+      s.flatMesh = Data.meshOfTriangles({ ...mesh, vertices, triangles: t });
     }
     return s.flatMesh;
   }
@@ -161,28 +153,22 @@ const StudyMaps = (() => {
       if (!m) continue;
       p.message = now.message;
       const what = { mesh: m, facets: null, vertices: values, shown: (x) => x > 0, scale };
-      if (now.shown && now.shown.edge !== null) { what.over = [above(values, now.shown.edge)]; what.from = now.shown.edge; }
+      if (now.shown && now.shown.edge !== null) { what.over = [Data.above(values, now.shown.edge)]; what.from = now.shown.edge; }
       else what.shown = () => true;
       p.maps.paint(p, what);
-      p.canvas.setAttribute("aria-label", `${p.title}: ${scale.title}`);
+      p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
     }
     view.scale = scale;
     drawBarNow();
     words();
   }
-  function drawBarNow() {
-    const canvas = $("map-bar"), k = Math.min(2, window.devicePixelRatio || 1), width = canvas.clientWidth;
-    if (!width || !view.scale) return;
-    canvas.width = Math.round(width * k);
-    canvas.height = Math.round(76 * k);
-    drawBar(canvas.getContext("2d"), 0, 0, width, k, view.scale, Colours.ink[view.theme], true);
-  }
+  const drawBarNow = () => { if (view.scale) paintBar($("map-bar"), view.scale, view.theme, true); };
 
   // ---- words below the maps ----
   function levelText(k, x) {
     const c = Study.columns[k], low = Math.floor(x + 1e-9), f = x - low;
-    if (f < 1e-9 || low + 1 >= kept[k].length) return c.levels[kept[k][Math.min(low, kept[k].length - 1)]];
-    return Format.short(c.numbers[kept[k][low]] * (1 - f) + c.numbers[kept[k][low + 1]] * f);
+    if (f < 1e-9 || low + 1 >= kept[k].length) return c.levels[kept[k][Math.min(low, kept[k].length - 1)]] + c.unit;
+    return Format.short(c.numbers[kept[k][low]] * (1 - f) + c.numbers[kept[k][low + 1]] * f) + c.unit;
   }
   function words() {
     const now = view.now, parts = [], place = Report.places.findIndex((p) => p.part === "" && p.contact === about.surfaces[now.surface].contact);
@@ -198,7 +184,7 @@ const StudyMaps = (() => {
       parts.push(`between stored cases ${now.of.map((c) => c.field.number).join(", ")}: linear between their maps, not solved`);
     } else if (now.of) {
       const f = now.of[0].field, i = page.placeOf(f.number);
-      parts.push(`case ${f.number}`, ...Report.columns.map((c, k) => `${c.name} = ${c.levels[f.levels[k]]}`));
+      parts.push(`case ${f.number}`, ...Study.columns.map((c, k) => Study.said(c, f.levels[k])));
       if (place >= 0 && i >= 0 && ["state", "largest"].includes(view.show) && now.shown) {
         const choice = view.show === "state" ? view.state : Report.study.states;
         Report.statistics.forEach((s, k) => { if (StudyFigures.isInside(k) && k !== page.state.statistic) return; const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
@@ -295,7 +281,7 @@ const StudyMaps = (() => {
     const place = make("div", { class: "panels" });
     place.style.setProperty("--least", "330px");
     panels = [[solid, false, "Surface"], [flat, true, "Unrolled, equal areas"]].map(([maps, unrolled, title]) => {
-      const p = { maps, flat: unrolled, title, marks: [], canvas: make("canvas", { id: unrolled ? "flat" : "solid", tabindex: "0", role: "img" }) };
+      const p = { maps, flat: unrolled, title: () => title, marks: [], canvas: make("canvas", { id: unrolled ? "flat" : "solid", tabindex: "0", role: "img" }) };
       p.element = make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: title })), p.canvas);
       if (maps.fault) p.canvas.hidden = true;
       place.append(p.element);
@@ -332,34 +318,17 @@ const StudyMaps = (() => {
   }
 
   // ---- saving, on white ----
-  function picture() {
-    const shown = panels.filter((p) => !p.element.hidden), k = 2.5, side = 380, pad = 16, ink = Colours.ink.light;
-    const width = Math.max(480, 2 * pad + shown.length * side + (shown.length - 1) * 14), height = 2 * pad + 54 + side + 84;
-    const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
-    canvas.width = Math.round(width * k);
-    canvas.height = Math.round(height * k);
-    c.fillStyle = ink.paper;
-    c.fillRect(0, 0, canvas.width, canvas.height);
-    c.fillStyle = ink.ink;
-    c.font = `${13 * k}px ${getComputedStyle(document.body).fontFamily}`;
-    c.textBaseline = "alphabetic";
-    c.fillText(Figures.cut(`${readout.textContent}`, 13, width - 2 * pad), pad * k, (pad + 14) * k);
-    c.fillText($("map-time").textContent, pad * k, (pad + 34) * k);
-    shown.forEach((p, i) => { p.maps.plain = false; p.maps.drawPanel(p, c, Math.round((pad + i * (side + 14)) * k), Math.round((pad + 46) * k), Math.round(side * k), Math.round(side * k), k, ink); });
-    drawBar(c, pad * k, (height - pad - 78) * k, Math.min(700, width - 2 * pad), k, view.scale, ink, true);
-    panels.forEach((p) => p.maps.request());
-    return { canvas, width, height };
-  }
+  const picture = () => mapsPicture(solid, panels.filter((p) => !p.element.hidden), [view.scale], { head: [$("map-time").textContent, readout.textContent] });
   function nodeTable() {
     const s = about.surfaces[view.now.surface], now = view.now, mesh = panels[now.common ? 1 : 0].what.mesh, rows = [], count = now.shown && now.shown.count;
     for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(now.shown ? now.shown.values[v] : NaN), ...(count ? [count[v]] : [])]);
     return { headings: [now.common ? "point of the common grid" : "node of the surface", "x", "y", "z", quantityTitle(), ...(count ? ["cases that cover it"] : [])], rows, surface: s.surface };
   }
-  async function save(kind) {
+  function save(kind) {
     const name = fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
     if (kind === "csv") return Figures.save(new Blob([csvText(nodeTable())], { type: "text/csv" }), name + ".csv");
-    const { canvas, width, height } = picture();
-    if (kind === "png") return Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png");
+    const canvas = picture(), { width, height } = canvas;
+    if (kind === "png") return Figures.saveCanvas(canvas, name);
     const { svg, svgns } = Figures.tools, out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
     out.append(svg("image", { width, height, href: canvas.toDataURL("image/png") }));
     Figures.save(new Blob(['<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(out)], { type: "image/svg+xml" }), name + ".svg");
