@@ -60,9 +60,9 @@ void tell(const Findings& findings, const FindingsArguments& a) {
   for (const std::string& line : coded_lines(wanted, command_line_wording())) log(line);
 }
 
-void tell_quietly(const SolvedStates& result) {
+void tell_quietly(const Analysis& result) {
   Findings findings = result.idle;
-  add_once(findings, unsolved_states(result));
+  for (const char* code : {"no-solution", "nothing-loads"}) add_once(findings, of_code(result.findings, code));
   for (const std::string& line : coded_lines(findings, command_line_wording())) log(line);
   const auto unsolved = std::count_if(result.states.begin(), result.states.end(),
                                       [](const StateResult& s) { return !solved(s.equilibrium.outcome); });

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "src/results/solved_states.h"
 #include "src/run/analysis.h"
 
 namespace dea {
@@ -27,7 +26,7 @@ bool quiet_altogether(const FindingsArguments& arguments);
 void tell(const Findings& findings, const FindingsArguments& arguments);
 
 /// What is printed even if nothing else is: loads without effect, and states that are no solution.
-void tell_quietly(const SolvedStates& result);
+void tell_quietly(const Analysis& result);
 
 /// Does --error-on name one of them? Prints which.
 bool tell_refused(const Findings& findings, const FindingsArguments& arguments);

@@ -8,7 +8,7 @@
 #include "app/commands.h"
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
-#include "io/files/unit_names.h"
+#include "src/base/unit_names.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"

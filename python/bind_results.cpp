@@ -9,6 +9,7 @@
 #include "io/vtu/write_vtu.h"
 #include "python/bind.h"
 #include "python/errors.h"
+#include "python/findings.h"
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"

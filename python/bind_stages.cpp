@@ -15,6 +15,7 @@
 #include "io/xplt/xplt.h"
 #include "python/bind.h"
 #include "python/errors.h"
+#include "python/findings.h"
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"

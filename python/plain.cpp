@@ -8,10 +8,7 @@
 #include "io/files/encoded_text.h"
 #include "io/vtu/write_vtu.h"
 #include "io/xplt/xplt.h"
-#include "python/errors.h"
 #include "src/base/numbers.h"
-#include "src/rules/rules.h"
-#include "views/data/finding_json.h"
 
 namespace dea::python {
 
@@ -25,15 +22,6 @@ std::vector<double> numbers_of(const py::object& given, const char* place) {
 }
 
 py::str text(const std::string& words) { return py::str(utf8(words)); }
-
-py::list findings_list(const Findings& findings) {
-  const py::object make = py::module_::import("febiodea._findings").attr("Finding");
-  const py::list values = plain(findings_json(findings));
-  py::list all;
-  for (std::size_t i = 0; i < findings.size(); ++i)
-    all.append(make(text(line(findings[i], python_wording())), **py::dict(values[i])));
-  return all;
-}
 
 py::list texts(const std::vector<std::string>& lines) {
   py::list all;

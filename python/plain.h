@@ -12,7 +12,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/equilibrium/load_case.h"
 #include "src/geometry/pose.h"
 #include "src/model/joint_model.h"
@@ -34,8 +33,6 @@ std::vector<double> numbers_of(const py::object& given, const char* place);
 /// Bytes that are no UTF-8 become U+FFFD.
 py::str text(const std::string& words);
 py::list texts(const std::vector<std::string>& lines);
-/// febiodea.Finding: its line, with code, severity, subject and values.
-py::list findings_list(const Findings& findings);
 /// null becomes None.
 py::object plain(const Json& json);
 

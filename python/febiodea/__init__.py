@@ -35,7 +35,7 @@ __all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture"
            "pattern_difference", "read_study", "settings_help", "Settings", "Model", "Recognition", "Result", "State",
            "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
            "PressedContact", "Study", "StudyResults", "StudyState", "StudySurface", "Factor", "PlotFile", "PlotState",
-           "PlotSurface", "PlotField", "Progress", "Error", "InputError", "UsageError", "WriteError"]
+           "PlotSurface", "PlotField", "Progress", "Finding", "Error", "InputError", "UsageError", "WriteError"]
 
 
 @_atexit.register

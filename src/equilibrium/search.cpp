@@ -6,7 +6,7 @@ namespace dea {
 
 const char* name(Outcome outcome) {
   return word_of(outcome, {"Prescribed", "Balanced", "BalancedToOneSpring", "SurfacesApart", "NoEquilibrium",
-                           "NotConverged", "BeyondStrainLimit"});
+                           "NotConverged", "BeyondStrainLimit", "NoContact"});
 }
 
 bool solved(Outcome outcome) {

@@ -14,7 +14,8 @@ enum class Outcome {
   SurfacesApart,        ///< the loads move the surfaces apart: no contact can carry them
   NoEquilibrium,        ///< a direction nothing resists is loaded
   NotConverged,         ///< none of the above was reached within the iterations
-  BeyondStrainLimit     ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
+  BeyondStrainLimit,    ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
+  NoContact             ///< nothing loads a free body and nothing presses it: any place is a balance
 };
 const char* name(Outcome outcome);
 /// True for Prescribed, Balanced and BalancedToOneSpring.

@@ -1,6 +1,8 @@
 // src/rules/look.h – the rules that look, one function each; rules.cpp lists them with their words.
 #pragma once
-#include "src/rules/rules.h"
+#include "src/base/finding.h"
+#include "src/joint/joint.h"
+#include "src/results/solved_states.h"
 
 namespace dea {
 

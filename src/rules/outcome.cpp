@@ -5,6 +5,7 @@
 #include "src/base/say.h"
 #include "src/base/time_text.h"
 #include "src/rules/look.h"
+#include "src/rules/rules.h"
 
 namespace dea {
 
@@ -107,7 +108,9 @@ std::string outcome_text(const Equilibrium& e, const Wording& wording) { return 
 
 bool parted(const Joint& joint, const StateResult& state) {
   constexpr double kNothing = 1e-9;
-  return state.equilibrium.outcome == Outcome::Balanced && state.equilibrium.load <= kNothing * stiffest_layer(joint);
+  const Equilibrium& e = state.equilibrium;
+  return e.outcome == Outcome::NoContact ||
+         (e.outcome == Outcome::Balanced && e.load <= kNothing * stiffest_layer(joint));
 }
 
 const StateResult* judged_state(const Joint& joint, const SolvedStates& result) {
@@ -115,16 +118,15 @@ const StateResult* judged_state(const Joint& joint, const SolvedStates& result) 
   return solved(last.equilibrium.outcome) && !parted(joint, last) ? &last : nullptr;
 }
 
-Findings unsolved_states(const SolvedStates& result) {
+/// States that are no solution, neighbours together.
+Findings no_solution(const JointModel&, const Joint&, const SolvedStates& result) {
   std::vector<StateRun> runs;
   for (std::size_t i = 0; i < result.states.size(); ++i)
-    if (const Equilibrium& e = result.states[i].equilibrium; !solved(e.outcome))
+    if (const Equilibrium& e = result.states[i].equilibrium; !solved(e.outcome) && e.outcome != Outcome::NoContact)
       add_state(runs, name(e.outcome), i, outcome_sentence(e));
   return run_findings("no-solution", result, runs);
 }
 
-/// States that are no solution, neighbours together.
-Findings no_solution(const JointModel&, const Joint&, const SolvedStates& result) { return unsolved_states(result); }
 
 /// States that stand on the brink.
 Findings unstable_balance(const JointModel&, const Joint&, const SolvedStates& result) {
@@ -151,10 +153,12 @@ Findings held_motion(const JointModel&, const Joint&, const SolvedStates& result
            {{"count", count}, {"states", result.states.size()}, {"directions", directions}}}};
 }
 
-/// Surfaces that do not touch at the end, for nothing loads a free body.
+/// Surfaces that do not touch, for nothing loads a free body; of the last such state.
 Findings nothing_loads(const JointModel&, const Joint& joint, const SolvedStates& result) {
-  const StateResult& last = result.states.back();
-  if (!parted(joint, last)) return {};
+  const auto found = std::find_if(result.states.rbegin(), result.states.rend(),
+                                  [](const StateResult& s) { return s.equilibrium.outcome == Outcome::NoContact; });
+  if (found == result.states.rend()) return {};
+  const StateResult& last = *found;
   std::vector<std::string> free;
   for (std::size_t b = 0; b < joint.bodies.size(); ++b)
     if (b < result.free_to_move.size() && result.free_to_move[b]) free.push_back(joint.bodies[b].name);

@@ -65,9 +65,6 @@ Findings all_findings(const JointModel& model, const Joint& joint, const SolvedS
 Findings warnings(const Findings& findings);
 Findings of_code(const Findings& findings, const std::string& code);
 
-/// The states that are no solution, a finding for neighbours together.
-Findings unsolved_states(const SolvedStates& result);
-
 /// The sentence behind a state's outcome.
 std::string outcome_text(const Equilibrium& e, const Wording& wording = plain_wording());
 

@@ -16,6 +16,7 @@
 #include "src/joint/shared_ends.h"
 #include "src/rules/idle_loads.h"
 #include "src/rules/idle_settings.h"
+#include "src/rules/look.h"
 #include "src/rules/rules.h"
 
 namespace dea {
@@ -224,6 +225,10 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     else
       state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
+    if (parted(joint, state)) {
+      state.equilibrium.outcome = Outcome::NoContact;
+      state.equilibrium.message = "nothing loads a free body, and nothing presses it";
+    }
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     if (dea::solved(state.equilibrium.outcome))
       refuse_left_planes(model, joint, state.equilibrium.poses, state.when.time);

@@ -285,7 +285,7 @@ TEST_F(StudyFile, WhatIsNoStudyIsSaid) {
   std::filesystem::remove(path);
   write({});
   make("PRAGMA user_version = 2");
-  EXPECT_NE(input_fault([&] { read_study_head(path); }).find("found dea.study/2, expected dea.study/1"),
+  EXPECT_NE(input_fault([&] { read_study_head(path); }).find("found dea.study/3, expected dea.study/2"),
             std::string::npos);
   std::filesystem::remove(path);
   write({result_of(1)});
