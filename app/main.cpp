@@ -50,6 +50,7 @@ int parse_and_run(const std::vector<std::string>& words) {
   PlotArguments plot_arguments;
   BuildArguments build_arguments;
   PluginBuildArguments plugin_build_arguments;
+  FindingsListArguments findings_arguments;
   CiteArguments cite_arguments;
   ManArguments man_arguments;
   CompletionArguments completion_arguments;
@@ -64,6 +65,7 @@ int parse_and_run(const std::vector<std::string>& words) {
   const CLI::App* build_app = add_build(app, build_arguments);
   const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
   const CLI::App* cite_app = add_cite(app, cite_arguments);
+  const CLI::App* findings_app = add_findings(app, findings_arguments);
   const CLI::App* man_app = add_man(app, man_arguments);
   const CLI::App* completion_app = add_completion(app, completion_arguments);
 
@@ -78,6 +80,7 @@ int parse_and_run(const std::vector<std::string>& words) {
   if (build_app->parsed()) return start_build(words);
   if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
   if (cite_app->parsed()) return cite(cite_arguments);
+  if (findings_app->parsed()) return list_findings(findings_arguments);
   if (man_app->parsed()) return man(app, man_arguments);
   if (completion_app->parsed()) return completion(app, completion_arguments);
   return kWrongUse;

@@ -17,7 +17,7 @@ import time
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "man", "completion")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "findings", "man", "completion")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
