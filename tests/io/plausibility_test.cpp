@@ -1,4 +1,5 @@
 // What is told of numbers that no joint has: one line each, and none for joints.
+#include "io/settings/setting_words.h"
 #include "src/rules/rules.h"
 #include "tests/findings.h"
 
