@@ -20,6 +20,7 @@
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/rules/rules.h"
 #include "src/base/parallel.h"
 #include "views/joint_uses.h"

@@ -11,6 +11,7 @@
 #include "io/settings/setting_words.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/rules/rules.h"
 #include "src/base/parallel.h"
 #include "views/map/map_geometry.h"
