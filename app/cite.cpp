@@ -4,10 +4,10 @@
 #include "app/commands.h"
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
+#include "io/run/spring_memory.h"
 #include "io/tables/read_tables.h"
 #include "io/xplt/xplt.h"
 #include "src/base/error.h"
-#include "views/memory.h"
 #include "views/text/methods_text.h"
 
 namespace dea {

@@ -7,10 +7,10 @@
 #include "io/files/output.h"
 #include "io/results/existing_plot.h"
 #include "io/results/plot_file.h"
+#include "io/run/spring_memory.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "views/data/info_json.h"
-#include "views/memory.h"
 #include "views/text/info_text.h"
 
 namespace dea {

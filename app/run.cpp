@@ -11,12 +11,13 @@
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/results/existing_plot.h"
+#include "io/run/spring_memory.h"
+#include "io/run/wanted_states.h"
 #include "io/settings/output_options.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
-#include "views/memory.h"
 #include "views/page/write_page.h"
 #include "views/run_model.h"
 #include "views/text/run_text.h"
@@ -211,7 +212,8 @@ int run(const RunArguments& a) {
   show_activity(progress, {});
   settle_units(read, settings);
   read_tables(read, settings);
-  const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
+  const Recognition recognition =
+      recognise(std::move(read), settings, wants_all_states(options.outputs, options.times_from));
   tell_cost(recognition, quiet, progress);
   Findings told;
   options.on_times = [&](const std::vector<double>& times) {

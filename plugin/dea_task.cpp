@@ -86,7 +86,7 @@ bool run(FEBioModel& fem, const std::string& settings_file, const StopFlag* stop
   settle_units(model, file.settings);
   read_tables(model, file.settings);
   end_if_stopped(stop);
-  const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
+  const Recognition recognition = recognise(model, file.settings, wants_all_states(options.outputs, ""));
   if (!file.outputs.report.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"};

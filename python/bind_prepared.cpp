@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/run/spring_memory.h"
 #include "python/bind.h"
 #include "python/errors.h"
 #include "python/plain.h"
@@ -18,7 +19,6 @@
 #include "src/joint/placing.h"
 #include "src/model/settings_table.h"
 #include "src/rules/idle_loads.h"
-#include "views/memory.h"
 
 namespace dea::python {
 

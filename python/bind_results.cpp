@@ -16,8 +16,8 @@
 #include "src/base/names.h"
 #include "src/rules/rules.h"
 #include "views/data/run_csv.h"
+#include "views/data/run_json.h"
 #include "views/page/write_page.h"
-#include "views/run_model.h"
 #include "views/text/run_text.h"
 
 namespace dea::python {

@@ -10,6 +10,8 @@
 
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
+#include "io/run/spring_memory.h"
+#include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "io/xplt/xplt.h"
@@ -27,8 +29,6 @@
 #include "src/rules/rules.h"
 #include "src/run/check.h"
 #include "views/data/info_json.h"
-#include "views/memory.h"
-#include "views/run_model.h"
 #include "views/text/info_text.h"
 
 namespace dea::python {
@@ -197,18 +197,18 @@ AnalysisOptions options_of(const States& states, Work& work, std::vector<std::ve
   return options;
 }
 
-std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& recognised, const RunOptions& asked,
-                                   Work& work) {
+std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& recognised, const OutputSettings& asked,
+                                   const std::string& times_from, Work& work) {
   const double start = seconds();
   const Recognition& recognition = recognised->recognition;
   throw_if_any(recognition.faults);
   refuse_idle_loads(recognition);
   spring_cost_note(recognition, python_wording());
-  const States states = wanted_states(recognition.model, recognition.settings, asked);
+  const States states = wanted_states(recognition.model, recognition.settings, asked, times_from);
   const auto a = std::make_shared<Analysed>();
   a->recognised = recognised;
   AnalysisOptions how = options_of(states, work, a->springs);
-  how.told = findings_of_states(recognition.model, asked, states);
+  how.told = findings_of_states(recognition.model, asked, times_from, states);
   a->analysis = analyse(recognition, how);
   a->timings = {recognised->read->seconds, a->analysis.seconds_joint, a->analysis.seconds_solve, 0.0,
                 recognised->read->seconds + recognition.seconds + seconds() - start};
@@ -217,11 +217,11 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
 
 std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<Recognised>& recognised, const std::string& states,
                                         const std::string& times_from, const py::object& progress) {
-  RunOptions asked;
-  asked.outputs.states = states;
-  asked.outputs.states_given = python_wording()(NamedSetting{"states", "", states});
-  asked.times_from = times_from;
-  return result_of<Analysed>([recognised, asked](Work& work) { return analysed(recognised, asked, work); }, progress);
+  OutputSettings asked;
+  asked.states = states;
+  asked.states_given = python_wording()(NamedSetting{"states", "", states});
+  return result_of<Analysed>(
+      [recognised, asked, times_from](Work& work) { return analysed(recognised, asked, times_from, work); }, progress);
 }
 
 void bind_model(py::module_& m) {

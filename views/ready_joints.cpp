@@ -9,6 +9,7 @@
 
 #include "io/feb/read_feb.h"
 #include "io/files/free_memory.h"
+#include "io/run/spring_memory.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/stop.h"

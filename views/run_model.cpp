@@ -10,6 +10,7 @@
 #include "io/files/output.h"
 #include "io/files/spool.h"
 #include "io/results/plot_file.h"
+#include "io/run/wanted_states.h"
 #include "io/vtu/write_vtu.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
@@ -21,14 +22,6 @@
 namespace dea {
 
 namespace {
-
-StatesAsked asked_states(const std::string& states, const std::string& option) {
-  try {
-    return parse_states(states);
-  } catch (const BadValue& bad) {
-    throw UsageError(fmt::format("{}: {}", option, bad.what()));
-  }
-}
 
 /// What is as large as the mesh, and grows with every state: on disk, but for the plot file that `with_plot` takes.
 struct GrowingResults {
@@ -110,62 +103,13 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
 
 }  // namespace
 
-States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options) {
-  const std::string &states = options.outputs.states, &option = options.outputs.states_given,
-                    &times_from = options.times_from;
-  const StatesAsked asked = asked_states(states, option);
-  if (row_count(settings) > 0 || settings.skip_steps) {
-    if (!times_from.empty())
-      throw UsageError(Fault{.given = NamedSetting{"times-from", "", times_from},
-                             .found = say("found {} beside it,",
-                                          settings.skip_steps ? say("{}", NamedSetting{"skip-steps", "", "", "", true})
-                                                              : Sentence("a table of loads or motion")),
-                             .expected = "expected the model's own steps"});
-    return row_states(model, settings, asked, option);
-  }
-  ResultTimes times;
-  if (times_from.empty()) {
-    times.times = model_times(model, states != "all");
-  } else {
-    const XpltFile file = read_xplt(times_from);
-    if (file.states.empty())
-      throw InputError(times_from + ": found no complete state, expected the times of at least one");
-    std::vector<double> found;
-    for (const XpltState& state : file.states) found.push_back(state.time);
-    times = times_of_result(model, found, times_from);
-  }
-  if (asked.all && times_from.empty()) return all_states(std::move(times.times));
-  std::vector<double> own = times.of_result, chosen = asked.times;
-  if (own.empty())
-    for (const TimePoint& p : times.times) own.push_back(p.time);
-  for (double t : own)
-    if (asked.all || asks_for(asked, t)) chosen.push_back(t);
-  if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
-  if (chosen.empty())
-    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,
-                                 time_text(own.front()), time_text(own.back())));
-  return choose_states(model, std::move(times.times), chosen, option);
-}
-
-Findings findings_of_states(const JointModel& model, const RunOptions& options, const States& states) {
-  const std::string& asked = options.outputs.states;
-  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return {};
-  if (asked.empty() && very_many_time_steps(model)) return {states_thinned(model, states.times.size())};
-  if (!asked.empty() && many_states_left_out(model, states.times)) return {states_left_out(model, states.times.size())};
-  return {};
-}
-
-bool wants_all_states(const RunOptions& options) {
-  return options.outputs.states == "all" && options.times_from.empty();
-}
-
 RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const double start = seconds();
   const JointModel& model = recognition.model;
   const OutputSettings& outputs = options.outputs;
   States states;
   try {
-    states = wanted_states(model, recognition.settings, options);
+    states = wanted_states(model, recognition.settings, outputs, options.times_from);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
@@ -176,7 +120,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   timings.read = options.seconds_reading + seconds() - start;
   GrowingResults growing(recognition, states, options);
   AnalysisOptions how = analysis_options(options, states, growing);
-  how.told = findings_of_states(model, options, states);
+  how.told = findings_of_states(model, outputs, options.times_from, states);
   result.analysis = analyse(recognition, how);
   if (!options.with_plot) {  // the bulk of the memory
     result.analysis.beds = {};
@@ -199,11 +143,6 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   growing.head.file.states = std::move(growing.kept);
   options.with_plot(result.analysis, std::move(growing.head.file));
   return result;
-}
-
-bool all_solved(const Analysis& analysis) {
-  return std::all_of(analysis.states.begin(), analysis.states.end(),
-                     [](const StateResult& s) { return solved(s.equilibrium.outcome); });
 }
 
 std::string run_summary(const RunOptions& options, const RunResult& result) {

@@ -7,7 +7,6 @@
 #include "io/xplt/xplt.h"
 #include "src/base/finding.h"
 #include "src/run/analysis.h"
-#include "src/run/states.h"
 #include "views/data/run_json.h"
 
 namespace dea {
@@ -36,17 +35,6 @@ struct RunResult {
 /// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError,
 /// Stopped.
 RunResult run_model(const Recognition& recognition, const RunOptions& options);
-
-/// The states that `options` ask for, and those on the way to them. Throws UsageError, InputError.
-States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options);
-/// What the user should know of the states that are solved.
-Findings findings_of_states(const JointModel& model, const RunOptions& options, const States& states);
-
-/// Are all states of the model wanted, however many these are?
-bool wants_all_states(const RunOptions& options);
-
-/// True if every state that was asked for is a solution.
-bool all_solved(const Analysis& analysis);
 
 /// "hip_dea.xplt: 3 states in 0.20 s (read 0.05, ...)"; without a plot file: "3 states in ..."
 std::string run_summary(const RunOptions& options, const RunResult& result);

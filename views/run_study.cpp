@@ -16,6 +16,7 @@
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
 #include "io/results/plot_file.h"
+#include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
@@ -25,7 +26,6 @@
 #include "src/base/parallel.h"
 #include "views/joint_uses.h"
 #include "views/ready_joints.h"
-#include "views/run_model.h"
 
 namespace dea {
 
@@ -102,10 +102,10 @@ struct Work {
   }
 };
 
-RunOptions states_asked(const StudyOptions& options) {
-  RunOptions asked;
-  asked.outputs.states = options.states;
-  asked.outputs.states_given = "--states " + options.states;
+OutputSettings states_asked(const StudyOptions& options) {
+  OutputSettings asked;
+  asked.states = options.states;
+  asked.states_given = "--states " + options.states;
   return asked;
 }
 
@@ -124,7 +124,7 @@ void solve(Work& work, const PlannedCase& c, Settings settings, CaseResult& resu
   read_tables(ready->model, settings);
   check_body_names(ready->model, joint.bodies, settings);
   throw_if_any(check_loading(ready->model, joint, settings).faults);
-  const States states = wanted_states(ready->model, settings, states_asked(options));
+  const States states = wanted_states(ready->model, settings, states_asked(options), "");
   AnalysisOptions solving;
   solving.times = states.times;
   solving.keep_state = states.wanted;

@@ -278,4 +278,9 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   return analysis;
 }
 
+bool all_solved(const Analysis& analysis) {
+  return std::all_of(analysis.states.begin(), analysis.states.end(),
+                     [](const StateResult& s) { return solved(s.equilibrium.outcome); });
+}
+
 }  // namespace dea

@@ -1,4 +1,4 @@
-#include "views/memory.h"
+#include "io/run/spring_memory.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// views/memory.h – will the springs fit in this machine's memory?
+// io/run/spring_memory.h – will the springs fit in this machine's memory?
 #pragma once
 #include <string>
 
