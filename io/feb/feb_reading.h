@@ -338,7 +338,7 @@ void read_old_nodal_force(Reading& reading, const XMLElement& element);
 void read_old_fix(Reading& reading, const XMLElement& element);
 
 /// Load controllers by id, steps and must points: when every section has been read.
-void finish(Reading& reading);
+void complete_model(Reading& reading);
 
 /// The place of a name in one of the indices; -1: it is not there.
 int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name);

@@ -212,7 +212,7 @@ void read_load_data(Reading& reading, const XMLElement& section) {
   }
 }
 
-void finish(Reading& reading) {
+void complete_model(Reading& reading) {
   JointModel& model = reading.model;
   if (reading.controls.empty()) reading.controls.push_back(reading.top_control);
   double begin = 0.0;

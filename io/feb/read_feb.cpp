@@ -257,7 +257,7 @@ JointModel read_feb(const std::string& path) {
   for (const XMLElement& section : children(root)) {
     read_section(reading, section);
   }
-  finish(reading);
+  complete_model(reading);
   return std::move(reading.model);
 }
 

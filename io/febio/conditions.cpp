@@ -428,7 +428,7 @@ void remark_double_fix(Draft& draft) {
 
 void hold_from_the_start(Draft& draft) {
   std::map<std::pair<int, int>, int> first;  // of material and dof: the step that fixes or moves it first
-  const auto look = [&](int material, int dof, int step) {
+  const auto note_step = [&](int material, int dof, int step) {
     if (step < 0) return;
     const auto [entry, is_new] = first.insert({{material, dof}, step});
     if (!is_new) entry->second = std::min(entry->second, step);
@@ -436,8 +436,8 @@ void hold_from_the_start(Draft& draft) {
   const std::vector<RigidFixed> given = draft.model.rigid_fixed;
   for (const RigidFixed& f : given)
     for (int k = 0; k < kDofs; ++k)
-      if (f.dofs[at(k)]) look(f.material, k, f.step);
-  for (const RigidPrescribed& p : draft.model.rigid_prescribed) look(p.material, p.dof, p.step);
+      if (f.dofs[at(k)]) note_step(f.material, k, f.step);
+  for (const RigidPrescribed& p : draft.model.rigid_prescribed) note_step(p.material, p.dof, p.step);
   std::map<std::pair<int, int>, const RigidFixed*> old;  // of material and dof: the earliest of them
   for (const std::size_t i : draft.old_fixes)
     for (int k = 0; k < kDofs; ++k) {

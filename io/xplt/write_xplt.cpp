@@ -216,7 +216,7 @@ void check(const XpltFile& file) {
 
 // --------------------------------------------------------------------------------------------- chunks
 
-// Bytes of nested chunks. Sizes are known only at their ends, so begin() leaves a gap that end() fills.
+// Bytes of nested chunks. Sizes are known only at their ends, so open_chunk leaves a gap that close_chunk fills.
 struct Chunks {
   std::string bytes;
   std::vector<std::size_t> open;  // where the payloads of the open chunks start
@@ -230,13 +230,13 @@ void put(std::string& bytes, std::uint32_t number) {
 void put(std::string& bytes, int number) { put(bytes, static_cast<std::uint32_t>(number)); }
 void put(std::string& bytes, float number) { put(bytes, std::bit_cast<std::uint32_t>(number)); }
 
-void begin(Chunks& out, std::uint32_t id) {
+void open_chunk(Chunks& out, std::uint32_t id) {
   put(out.bytes, id);
   put(out.bytes, 0);
   out.open.push_back(out.bytes.size());
 }
 
-void end(Chunks& out) {
+void close_chunk(Chunks& out) {
   const std::size_t start = out.open.back();
   out.open.pop_back();
   const std::size_t size = out.bytes.size() - start;
@@ -251,34 +251,34 @@ void end(Chunks& out) {
 
 template <class Number>
 void leaf(Chunks& out, std::uint32_t id, Number number) {
-  begin(out, id);
+  open_chunk(out, id);
   put(out.bytes, number);
-  end(out);
+  close_chunk(out);
 }
 
 // An empty leaf is left out: a reader takes it for an empty branch and loses its place.
 template <class Numbers>
 void leaf_of_all(Chunks& out, std::uint32_t id, const Numbers& numbers) {
   if (numbers.empty()) return;
-  begin(out, id);
+  open_chunk(out, id);
   for (const auto number : numbers) put(out.bytes, number);
-  end(out);
+  close_chunk(out);
 }
 
 void prefixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
   const std::string_view stored = stored_name(name);
-  begin(out, id);
+  open_chunk(out, id);
   put(out.bytes, static_cast<int>(stored.size()));
   out.bytes += stored;
-  end(out);
+  close_chunk(out);
 }
 
 void fixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
   const std::string_view stored = stored_name(name);
-  begin(out, id);
+  open_chunk(out, id);
   out.bytes += stored;
   out.bytes.append(kFixedName - stored.size(), '\0');
-  end(out);
+  close_chunk(out);
 }
 
 // ----------------------------------------------------------------------------------------------- root
@@ -293,126 +293,126 @@ void put_item(Chunks& out, const XpltVariable& variable, bool with_units) {
 }
 
 void put_root(Chunks& out, const XpltFile& file) {
-  begin(out, kRoot);
-  begin(out, kHeader);
+  open_chunk(out, kRoot);
+  open_chunk(out, kHeader);
   leaf(out, kVersionTag, file.version);
   leaf(out, kCompression, file.compressed ? 1 : 0);
   if (!file.software.empty()) prefixed_name(out, kSoftware, file.software);
   if (!file.units.empty()) prefixed_name(out, kUnits, file.units);
-  end(out);
-  begin(out, kDictionary);
+  close_chunk(out);
+  open_chunk(out, kDictionary);
   for (std::size_t i = 0; i < file.variables.size();) {
     const XpltGroup group = file.variables[i].group;
-    begin(out, kGroupItems[static_cast<int>(group)]);
+    open_chunk(out, kGroupItems[static_cast<int>(group)]);
     for (; i < file.variables.size() && file.variables[i].group == group; ++i) {
-      begin(out, kItem);
+      open_chunk(out, kItem);
       put_item(out, file.variables[i], !file.units.empty());
-      end(out);
+      close_chunk(out);
     }
-    end(out);
+    close_chunk(out);
   }
-  end(out);
-  end(out);
+  close_chunk(out);
+  close_chunk(out);
 }
 
 // ----------------------------------------------------------------------------------------------- mesh
 
 void put_nodes(Chunks& out, const XpltMesh& mesh) {
-  begin(out, kNodes);
-  begin(out, kNodeHeader);
+  open_chunk(out, kNodes);
+  open_chunk(out, kNodeHeader);
   leaf(out, kNodeCount, static_cast<int>(mesh.node_ids.size()));
   leaf(out, kNodeDimension, 3);
-  end(out);
-  begin(out, kNodeCoordinates);
+  close_chunk(out);
+  open_chunk(out, kNodeCoordinates);
   for (std::size_t i = 0; i < mesh.node_ids.size(); ++i) {
     put(out.bytes, mesh.node_ids[i]);
     for (std::size_t k = 0; k < 3; ++k) put(out.bytes, mesh.coordinates[3 * i + k]);
   }
-  end(out);
-  end(out);
+  close_chunk(out);
+  close_chunk(out);
 }
 
 void put_domains(Chunks& out, const XpltMesh& mesh) {
-  begin(out, kDomains);
+  open_chunk(out, kDomains);
   for (const XpltDomain& domain : mesh.domains) {
-    begin(out, kDomain);
-    begin(out, kDomainHeader);
+    open_chunk(out, kDomain);
+    open_chunk(out, kDomainHeader);
     leaf(out, kDomainType, domain.element_type);
     leaf(out, kDomainPart, domain.part);
     leaf(out, kDomainElements, xplt_elements(domain));
     if (!domain.name.empty()) prefixed_name(out, kDomainName, domain.name);
-    end(out);
-    begin(out, kElementList);
+    close_chunk(out);
+    open_chunk(out, kElementList);
     const std::size_t n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
     for (std::size_t i = 0; i < domain.element_ids.size(); ++i) {
-      begin(out, kElement);
+      open_chunk(out, kElement);
       put(out.bytes, domain.element_ids[i]);
       for (std::size_t k = 0; k < n; ++k) put(out.bytes, domain.nodes[n * i + k]);
-      end(out);
+      close_chunk(out);
     }
-    end(out);
-    end(out);
+    close_chunk(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 void put_facets(Chunks& out, const std::vector<XpltFacets>& all, const FacetIds& ids) {
   if (all.empty()) return;
-  begin(out, ids.section);
+  open_chunk(out, ids.section);
   for (std::size_t s = 0; s < all.size(); ++s) {
     const XpltFacets& facets = all[s];
-    begin(out, ids.one);
-    begin(out, ids.header);
+    open_chunk(out, ids.one);
+    open_chunk(out, ids.header);
     leaf(out, ids.id, static_cast<int>(s) + 1);
     leaf(out, ids.count, facets.size());
     prefixed_name(out, ids.name, facets.name);
     leaf(out, ids.max_nodes, facets.max_nodes);
-    end(out);
+    close_chunk(out);
     if (facets.size() > 0) {
-      begin(out, ids.list);
+      open_chunk(out, ids.list);
       for (int i = 0; i < facets.size(); ++i) {
         const int first = facets.begin[static_cast<std::size_t>(i)];
         const int n = facets.begin[static_cast<std::size_t>(i) + 1] - first;
-        begin(out, ids.facet);
+        open_chunk(out, ids.facet);
         put(out.bytes, i + 1);
         put(out.bytes, n);
         for (int k = 0; k < facets.max_nodes; ++k) {
           put(out.bytes, k < n ? facets.nodes[at(first + k)] : 0);
         }
-        end(out);
+        close_chunk(out);
       }
-      end(out);
+      close_chunk(out);
     }
-    end(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 void put_sets(Chunks& out, const std::vector<XpltSet>& sets, const SetIds& ids) {
   if (sets.empty()) return;
-  begin(out, ids.section);
+  open_chunk(out, ids.section);
   for (std::size_t s = 0; s < sets.size(); ++s) {
-    begin(out, ids.one);
-    begin(out, ids.header);
+    open_chunk(out, ids.one);
+    open_chunk(out, ids.header);
     leaf(out, ids.id, static_cast<int>(s) + 1);
     leaf(out, ids.count, static_cast<int>(sets[s].items.size()));
     prefixed_name(out, ids.name, sets[s].name);
-    end(out);
+    close_chunk(out);
     leaf_of_all(out, ids.list, sets[s].items);
-    end(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 void put_parts(Chunks& out, const XpltMesh& mesh) {
-  begin(out, kParts);
+  open_chunk(out, kParts);
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
-    begin(out, kPart);
+    open_chunk(out, kPart);
     leaf(out, kPartId, static_cast<int>(i) + 1);
     fixed_name(out, kPartName, mesh.parts[i]);
-    end(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 // Objects are numbered from 1 within their kind.
@@ -423,10 +423,10 @@ struct ObjectNumbers {
 
 void put_objects(Chunks& out, const std::vector<XpltObject>& objects) {
   if (objects.empty()) return;
-  begin(out, kObjects);
+  open_chunk(out, kObjects);
   ObjectNumbers numbers;
   for (const XpltObject& object : objects) {
-    begin(out, object.line ? kLineObject : kPointObject);
+    open_chunk(out, object.line ? kLineObject : kPointObject);
     leaf(out, kObjectId, numbers.next(object.line));
     prefixed_name(out, kObjectName, object.name);
     leaf(out, kObjectTag, object.tag);
@@ -438,17 +438,17 @@ void put_objects(Chunks& out, const std::vector<XpltObject>& objects) {
       plain.type = item.type;
       plain.format = XpltFormat::Item;
       plain.name = item.name;
-      begin(out, kObjectData);
+      open_chunk(out, kObjectData);
       put_item(out, plain, false);
-      end(out);
+      close_chunk(out);
     }
-    end(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 void put_mesh(Chunks& out, const XpltMesh& mesh) {
-  begin(out, kMesh);
+  open_chunk(out, kMesh);
   put_nodes(out, mesh);
   put_domains(out, mesh);
   put_facets(out, mesh.surfaces, kSurfaceIds);
@@ -458,7 +458,7 @@ void put_mesh(Chunks& out, const XpltMesh& mesh) {
   put_facets(out, mesh.facet_sets, kFacetSetIds);
   put_parts(out, mesh);
   put_objects(out, mesh.objects);
-  end(out);
+  close_chunk(out);
 }
 
 // ---------------------------------------------------------------------------------------------- state
@@ -467,27 +467,27 @@ void put_data(Chunks& out, const XpltFile& file, const XpltState& state, XpltGro
   std::uint32_t id = 0;  // counts within the group
   for (std::size_t i = 0; i < file.variables.size(); ++i) {
     if (file.variables[i].group != group) continue;
-    if (id == 0) begin(out, kGroupData[static_cast<int>(group)]);
+    if (id == 0) open_chunk(out, kGroupData[static_cast<int>(group)]);
     ++id;
-    begin(out, kStateVariable);
+    open_chunk(out, kStateVariable);
     leaf(out, kStateVariableId, id);
-    begin(out, kStateVariableData);
+    open_chunk(out, kStateVariableData);
     for (const XpltRegion& region : state.variables[i]) {
       leaf_of_all(out, static_cast<std::uint32_t>(region.region), region.values);
     }
-    end(out);
-    end(out);
+    close_chunk(out);
+    close_chunk(out);
   }
-  if (id > 0) end(out);
+  if (id > 0) close_chunk(out);
 }
 
 void put_object_states(Chunks& out, const std::vector<XpltObject>& objects, const XpltState& state) {
   if (state.objects.empty()) return;
-  begin(out, kObjectStates);
+  open_chunk(out, kObjectStates);
   ObjectNumbers numbers;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const XpltObjectState& object = state.objects[i];
-    begin(out, objects[i].line ? kLineObject : kPointObject);
+    open_chunk(out, objects[i].line ? kLineObject : kPointObject);
     leaf(out, kObjectId, numbers.next(objects[i].line));
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
@@ -496,33 +496,33 @@ void put_object_states(Chunks& out, const std::vector<XpltObject>& objects, cons
     } else {
       leaf_of_all(out, kPointCoordinate, object.point);
     }
-    begin(out, kObjectData);
+    open_chunk(out, kObjectData);
     for (std::size_t j = 0; j < object.data.size(); ++j) {
       leaf_of_all(out, static_cast<std::uint32_t>(j), object.data[j]);
     }
-    end(out);
-    end(out);
+    close_chunk(out);
+    close_chunk(out);
   }
-  end(out);
+  close_chunk(out);
 }
 
 void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
-  begin(out, kState);
-  begin(out, kStateHeader);
+  open_chunk(out, kState);
+  open_chunk(out, kStateHeader);
   leaf(out, kStateTime, state.time);
   leaf(out, kStateStatus, state.status);
-  end(out);
+  close_chunk(out);
   if (!state.element_flags.empty()) {
-    begin(out, kMeshState);
+    open_chunk(out, kMeshState);
     leaf_of_all(out, kElementFlags, state.element_flags);
-    end(out);
+    close_chunk(out);
   }
-  begin(out, kStateData);
+  open_chunk(out, kStateData);
   // FEBio's order: faces before edges, as in the dictionary.
   for (int group = 0; group < kGroups; ++group) put_data(out, file, state, static_cast<XpltGroup>(group));
-  end(out);
+  close_chunk(out);
   put_object_states(out, file.meshes.front().objects, state);
-  end(out);
+  close_chunk(out);
 }
 
 }  // namespace
@@ -535,20 +535,20 @@ std::string xplt_bytes(const XpltFile& file) {
   put_mesh(out, file.meshes.front());
 
   // From here on each chunk may be compressed; the root and the first mesh never are.
-  const auto finish = [&](Chunks& chunk) { out.bytes += file.compressed ? packed_bytes(chunk.bytes) : chunk.bytes; };
+  const auto add_chunk = [&](Chunks& chunk) { out.bytes += file.compressed ? packed_bytes(chunk.bytes) : chunk.bytes; };
   std::size_t mesh = 0;
   const auto advance_to = [&](std::size_t target) {
     while (mesh < target) {
       Chunks chunk;
       put_mesh(chunk, file.meshes[++mesh]);
-      finish(chunk);
+      add_chunk(chunk);
     }
   };
   for (const XpltState& state : file.states) {
     advance_to(static_cast<std::size_t>(state.mesh));
     Chunks chunk;
     put_state(chunk, file, state);
-    finish(chunk);
+    add_chunk(chunk);
   }
   advance_to(file.meshes.size() - 1);
   return std::move(out.bytes);

@@ -275,8 +275,8 @@ bool shortened_step(Search& s, VectorXd step, double least = 1.0 / 33.0) {
   return false;
 }
 
-/// What the last step tells of the stiffness.
-void learn(Search& s) {
+/// What the stiffness lacks, by the residual that the last step left.
+void update_secant(Search& s) {
   Secant& secant = s.secant;
   const MatrixXd K(s.d.stiffness);
   if (secant.step.size() == K.cols()) {
@@ -373,7 +373,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     s.size = s.d.residual.norm();
     s.most_load = std::max(s.most_load, s.e.load);
     if (press_more_closely(s)) continue;
-    if (s.r.size() <= kDenseUnknowns && !problem.joined()) learn(s);
+    if (s.r.size() <= kDenseUnknowns && !problem.joined()) update_secant(s);
     s.solution.history.push_back(s.e.load > 0 ? s.size / s.e.load : 0.0);
     problem.status.residual = s.solution.history.back();
     problem.tolerance = tolerance_after(s.solution.history.back());

@@ -97,7 +97,7 @@ struct GifWriter::State {
     bytes.clear();
   }
 
-  void begin(const Image& frame) {
+  void write_head(const Image& frame) {
     width = frame.width;
     height = frame.height;
     assert(palette.size() == kColours);
@@ -167,7 +167,7 @@ GifWriter::~GifWriter() {
 
 void GifWriter::add(const Image& frame) {
   State& s = *state_;
-  if (s.frames == 0) s.begin(frame);
+  if (s.frames == 0) s.write_head(frame);
   assert(frame.width == s.width && frame.height == s.height);
   std::vector<GifPixelType> pixels(frame.rgb.size() / 3);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = s.place(frame.rgb.data() + 3 * i);

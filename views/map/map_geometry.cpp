@@ -192,7 +192,7 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
   });
   std::vector<char> done(mesh.triangles.size(), 0);
   std::vector<int> ready;
-  const auto finish = [&](int t) {
+  const auto settle_layer = [&](int t) {
     done[at(t)] = 1;
     for (int next : before[at(t)]) {
       if (done[at(next)]) continue;
@@ -206,7 +206,7 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
     while (!ready.empty()) {
       const int t = ready.back();
       ready.pop_back();
-      if (!done[at(t)]) finish(t);
+      if (!done[at(t)]) settle_layer(t);
     }
   }
   for (int start : order) {
@@ -215,7 +215,7 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
     while (!ready.empty()) {
       const int t = ready.back();
       ready.pop_back();
-      if (!done[at(t)]) finish(t);
+      if (!done[at(t)]) settle_layer(t);
     }
   }
   for (int l : p.layer) p.layers = std::max(p.layers, l + 1);
