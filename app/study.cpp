@@ -12,10 +12,10 @@
 #include "app/study_report.h"
 #include "io/files/output.h"
 #include "io/study/read_study.h"
+#include "io/study/run_study.h"
+#include "io/study/study_output.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
-#include "views/run_study.h"
-#include "views/study_output.h"
 
 namespace dea {
 

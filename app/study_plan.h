@@ -2,7 +2,7 @@
 #pragma once
 #include "app/commands.h"
 #include "app/progress.h"
-#include "views/study_request.h"
+#include "io/study/study_request.h"
 
 namespace dea {
 

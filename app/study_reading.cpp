@@ -10,10 +10,10 @@
 #include "io/files/output.h"
 #include "io/study/read_study.h"
 #include "io/study/study_file.h"
+#include "io/study/study_output.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "views/data/csv.h"
-#include "views/study_output.h"
 
 namespace dea {
 

@@ -15,13 +15,13 @@
 #include <vector>
 
 #include "io/study/read_study.h"
+#include "io/study/ready_joints.h"
+#include "io/study/study_output.h"
 #include "python/bind.h"
 #include "python/errors.h"
 #include "python/plain.h"
 #include "python/work.h"
 #include "src/base/error.h"
-#include "views/ready_joints.h"
-#include "views/study_output.h"
 
 namespace dea::python {
 

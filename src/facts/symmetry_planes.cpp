@@ -37,7 +37,7 @@ double facet_size(const JointModel& model, const Surface& surface) {
 }
 
 /// What the search for ends looks up. References: must not outlive what it was made of.
-struct Search {
+struct PlaneSearch {
   const JointModel& model;
   const std::vector<int>& region;
   const std::vector<unsigned char>& held;
@@ -51,7 +51,7 @@ struct Part {
   std::vector<int> nodes;
 };
 
-std::map<int, Part> find_all_parts(const Search& in) {
+std::map<int, Part> find_all_parts(const PlaneSearch& in) {
   std::map<int, Part> parts;
   for (std::size_t i = 0; i < in.region.size(); ++i) {
     if (in.region[i] < 0) continue;
@@ -64,10 +64,10 @@ std::map<int, Part> find_all_parts(const Search& in) {
   return parts;
 }
 
-bool is_held(const Search& in, int node, int component) { return (in.held[at(node)] >> component & 1) != 0; }
+bool is_held(const PlaneSearch& in, int node, int component) { return (in.held[at(node)] >> component & 1) != 0; }
 
 /// Steps in which more than half of an end's nodes are held across it.
-std::vector<int> held_steps(const Search& in, const std::vector<int>& nodes, int axis) {
+std::vector<int> held_steps(const PlaneSearch& in, const std::vector<int>& nodes, int axis) {
   std::vector<int> place(in.model.nodes.size(), -1), steps;
   for (std::size_t i = 0; i < nodes.size(); ++i) place[at(nodes[i])] = static_cast<int>(i);
   for (int step = 0; step < static_cast<int>(in.model.steps.size()); ++step) {
@@ -90,7 +90,7 @@ struct Near {
   int held_near = 0;
 };
 
-Near near_end(const Search& in, const Part& part, int axis, double end) {
+Near near_end(const PlaneSearch& in, const Part& part, int axis, double end) {
   Near found;
   for (const int node : part.nodes) {
     const double x = in.model.nodes[at(node)][axis], away = std::abs(x - end);
@@ -104,7 +104,7 @@ Near near_end(const Search& in, const Part& part, int axis, double end) {
 }
 
 /// Ends that are planes of symmetry, or may have been meant so.
-std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part) {
+std::vector<PartEnd> ends_of_part(const PlaneSearch& in, int region, const Part& part) {
   std::vector<PartEnd> ends;
   for (int axis = 0; axis < 3; ++axis)
     for (const double limit : {part.low[axis], part.high[axis]}) {
@@ -129,7 +129,7 @@ std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part
 }
 
 /// Does a contact press the part there? Then it is its face that is held, and no plane of symmetry.
-bool is_pressed(const Search& in, int region, const SymmetryPlane& plane) {
+bool is_pressed(const PlaneSearch& in, int region, const SymmetryPlane& plane) {
   const auto there = [&](int node) {
     return in.region[at(node)] == region &&
            std::abs(in.model.nodes[at(node)][plane.axis] - plane.at) <= 2 * in.same_plane;
@@ -151,7 +151,8 @@ bool is_pressed(const Search& in, int region, const SymmetryPlane& plane) {
 
 /// The component in which an end is held that is no plane of symmetry: a fifth of its nodes or more, and the part
 /// hardly anywhere else but at the end across from it. Nodes in planes of symmetry across that component are theirs.
-int held_instead(const Search& in, const Part& part, const std::vector<PartEnd>& ends, const SymmetryPlane& plane) {
+int held_instead(const PlaneSearch& in, const Part& part, const std::vector<PartEnd>& ends,
+                 const SymmetryPlane& plane) {
   const auto at_end = [&](const Vector3d& x) { return std::abs(x[plane.axis] - plane.at) <= 2 * in.same_plane; };
   const auto across = [&](const Vector3d& x) {
     return x[plane.axis] - part.low[plane.axis] <= in.same_plane ||
@@ -203,7 +204,7 @@ std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<i
                                     const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
                                     double same_plane) {
   if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
-  const Search in = {model, region, held, on_bone, same_plane};
+  const PlaneSearch in = {model, region, held, on_bone, same_plane};
   std::vector<PartEnd> found;
   for (const auto& [number, part] : find_all_parts(in)) {
     std::vector<PartEnd> ends = ends_of_part(in, number, part);

@@ -56,4 +56,12 @@ struct CaseResult {
   double seconds = 0.0;
 };
 
+struct ReadyJoint;
+struct SolvedStates;
+
+/// Adds what is left of the states that were solved of a joint, and what is to be known of both. `keep_fields`: with
+/// CaseState::fields and CaseResult::surfaces. `wording`: of outcomes.
+void add_states(const ReadyJoint& joint, SolvedStates&& solved, bool keep_fields, const Wording& wording,
+                CaseResult& result);
+
 }  // namespace dea

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "io/study/joint_uses.h"
+#include "io/study/ready_joints.h"
+#include "io/study/run_study.h"
 #include "src/base/error.h"
+#include "src/run/cost.h"
 #include "tests/io/resident.h"
-#include "views/joint_uses.h"
-#include "views/ready_joints.h"
-#include "views/run_study.h"
 
 namespace dea::ready_joints_test {
 
@@ -25,6 +26,8 @@ Settings of_stiffness(Law law, int refine, double E) {
   settings.E[""] = E;
   return settings;
 }
+
+double bytes_of(const ReadyJoint& joint) { return kept_bytes(joint.model, joint.prepared.joint); }
 
 struct MemoryOfJoint {
   const char *name, *model;
@@ -48,7 +51,7 @@ TEST_P(JointMemory, IsWhatIsSaid) {
     if (i == 1) before = resident();  // what is made once, whatever the joints, is there
     held.push_back(ready.get(DEA_SAMPLES_DIR + std::string(p.model), of_stiffness(p.law, p.refine, 10 + i), nullptr));
   }
-  const double measured = (resident() - before) / kMore, said = held.back()->bytes;
+  const double measured = (resident() - before) / kMore, said = bytes_of(*held.back());
   EXPECT_GT(said, 0.8 * measured) << said << " bytes said, " << measured << " measured";
   EXPECT_LT(said, 1.7 * measured) << said << " bytes said, " << measured << " measured";
 }
@@ -73,7 +76,7 @@ TEST(ReadyJoints, NoMoreAreKeptThanFit) {
     const std::weak_ptr<const ReadyJoint> first = made(ready, 8);
     ASSERT_FALSE(first.expired());
     EXPECT_EQ(made(ready, 8), first.lock());
-    one = first.lock()->bytes;
+    one = bytes_of(*first.lock());
     made(ready, 9);
     EXPECT_TRUE(first.expired());
   }
@@ -133,7 +136,7 @@ TEST(JointUses, MemoryOfAStudyDoesNotGrowWithItsCases) {
   };
   run_study(plan, cases, options);
   ReadyJoints one(1.0);
-  const double joint = one.get(plan.models[0], of_stiffness(Law::Linear, 1, 8), nullptr)->bytes;
+  const double joint = bytes_of(*one.get(plan.models[0], of_stiffness(Law::Linear, 1, 8), nullptr));
   EXPECT_LT(held.back() - held[3], 4 * joint) << "of 40 joints";
 }
 

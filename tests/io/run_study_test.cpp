@@ -6,9 +6,9 @@
 #include <map>
 
 #include "io/feb/read_feb.h"
+#include "io/study/run_study.h"
 #include "src/run/analysis.h"
 #include "src/run/states.h"
-#include "views/run_study.h"
 
 namespace dea::run_study_test {
 

@@ -1,4 +1,4 @@
-// views/study_shards.h – one of several parts of a study, as it was said or as a cluster says.
+// io/study/study_shards.h – one of several parts of a study, as it was said or as a cluster says.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "views/run_study.h"
+#include "io/study/run_study.h"
 
 #include <fmt/format.h>
 
@@ -18,14 +18,12 @@
 #include "io/results/plot_file.h"
 #include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
+#include "io/study/joint_uses.h"
+#include "io/study/ready_joints.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
-#include "src/rules/rules.h"
-#include "src/base/parallel.h"
-#include "views/joint_uses.h"
-#include "views/ready_joints.h"
 
 namespace dea {
 
@@ -42,45 +40,6 @@ Settings case_settings(const Plan& plan, const PlannedCase& c, const Settings& o
   }
   lay_over(settings, values);
   return settings;
-}
-
-Findings warnings_of(const ReadyJoint& joint, const SolvedStates& states) {
-  Findings all = joint.warnings;
-  add_once(all, warnings(result_findings(joint.model, joint.prepared.joint, states)));
-  return all;
-}
-
-CaseState case_state(const ReadyJoint& joint, StateResult&& state, bool keep_fields) {
-  CaseState out;
-  out.time = state.when.time;
-  out.outcome = state.equilibrium.outcome;
-  out.message = outcome_text(state.equilibrium, command_line_wording());
-  out.iterations = state.equilibrium.iterations;
-  out.residual_force = state.equilibrium.residual_force;
-  out.residual_moment = state.equilibrium.residual_moment;
-  out.statistics = std::move(state.statistics);
-  out.poses = std::move(state.equilibrium.poses);
-  out.reactions = std::move(state.equilibrium.reaction);
-  for (std::size_t c = 0; keep_fields && c < state.fields.size(); ++c) {
-    const std::vector<double>& p = state.fields[c].sides[joint.prepared.joint.contacts[c].source].vertex_pressure;
-    out.fields.push_back({std::vector<float>(p.begin(), p.end())});
-  }
-  return out;
-}
-
-/// Names and, where fields are kept, the surfaces that they stand on.
-void describe(const ReadyJoint& ready, bool with_surfaces, CaseResult& result) {
-  const Joint& joint = ready.prepared.joint;
-  for (const Body& body : joint.bodies) result.bodies.push_back(body.name);
-  for (const ContactPair& pair : joint.contacts) {
-    const auto body = [&](const Layer& layer) { return joint.bodies[at(layer.body)].name; };
-    result.contacts.push_back(
-        {pair.name, body(pair.source_layer()), body(pair.target_layer()), compartment_names(pair)});
-    if (!with_surfaces) continue;
-    const Layer& source = pair.source_layer();
-    result.surfaces.push_back(
-        {ready.model.surfaces[at(source.surface)].name, source.articular.vertices, source.articular.triangles});
-  }
 }
 
 /// What several threads share while cases are solved.
@@ -135,19 +94,10 @@ void solve(Work& work, const PlannedCase& c, Settings settings, CaseResult& resu
   const TimePoint& first = states.times.front();
   if (first.row >= 0 || first.time > 0.0) solving.begin = ready->begin(options.stop);
   SolvedStates solved_states = solve_states(ready->model, settings, ready->prepared, ready->maps, solving);
-  result.warnings = warnings_of(*ready, solved_states);
   if (!options.plot_folder.empty())
     write_plot((std::filesystem::path(options.plot_folder) / fmt::format("{:06}.xplt", result.number)).string(), *ready,
                solved_states, settings.inside);
-  describe(*ready, options.keep_fields, result);
-  result.outcome = CaseResult::Outcome::Solved;
-  for (StateResult& state : solved_states.states) {
-    result.states.push_back(case_state(*ready, std::move(state), options.keep_fields));
-    const CaseState& last = result.states.back();
-    if (solved(last.outcome) || result.outcome == CaseResult::Outcome::Failed) continue;
-    result.outcome = CaseResult::Outcome::Failed;
-    result.message = fmt::format("time {:g}: {}: {}", last.time, name(last.outcome), last.message);
-  }
+  add_states(*ready, std::move(solved_states), options.keep_fields, command_line_wording(), result);
 }
 
 std::string one_line(std::string text) {

@@ -1,11 +1,11 @@
-#include "views/joint_uses.h"
+#include "io/study/joint_uses.h"
 
 #include <functional>
 
 #include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
-#include "views/ready_joints.h"
+#include "src/run/ready_joint.h"
 
 namespace dea {
 
@@ -18,7 +18,7 @@ bool changes_joint(const Factor& f, const std::string& value) {
   try {
     Settings settings;
     set_value(settings, split_key(*known, f.before + value + f.after));
-    return joint_key("", settings) != joint_key("", {});
+    return joint_key(settings) != joint_key({});
   } catch (const BadValue&) {  // refused when its case is solved
     return true;
   }

@@ -1,4 +1,4 @@
-// views/joint_uses.h – how often the joints of a study's cases are still wanted.
+// io/study/joint_uses.h – how often the joints of a study's cases are still wanted.
 #pragma once
 #include <cstddef>
 #include <cstdint>

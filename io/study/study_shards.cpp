@@ -1,4 +1,4 @@
-#include "views/study_shards.h"
+#include "io/study/study_shards.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <limits>
 
+#include "io/study/study_request.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/base/say.h"
-#include "views/study_request.h"
 
 namespace dea {
 

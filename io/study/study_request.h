@@ -1,15 +1,15 @@
-// views/study_request.h – from what is asked of a study, by whatever front end, to what is solved.
+// io/study/study_request.h – from what is asked of a study, by whatever front end, to what is solved.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "io/files/output.h"
+#include "io/study/run_study.h"
 #include "io/study/study_file.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/study/plan.h"
-#include "views/run_study.h"
 
 namespace dea {
 

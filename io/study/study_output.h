@@ -1,4 +1,4 @@
-// views/study_output.h – a study's file opened, gone on with, and filled with the cases it lacks.
+// io/study/study_output.h – a study's file opened, gone on with, and filled with the cases it lacks.
 #pragma once
 #include <functional>
 #include <memory>
@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "io/files/held_outputs.h"
-#include "views/study_request.h"
-#include "views/study_shards.h"
+#include "io/study/study_request.h"
+#include "io/study/study_shards.h"
 
 namespace dea {
 
@@ -50,7 +50,8 @@ struct CaseEnd {
   double seconds = 0.0;
 };
 
-/// Solves open.todo into the file. Stopped: what was done is in it. `told`: after each case, by one thread at a time.
-void solve_study(const Study& study, OpenStudy& open, const std::function<void(const CaseEnd&)>& told);
+/// Solves open.todo into the file. Stopped: what was done is in it. `on_case`: after each case, by one thread at a
+/// time.
+void solve_study(const Study& study, OpenStudy& open, const std::function<void(const CaseEnd&)>& on_case);
 
 }  // namespace dea

@@ -1,4 +1,4 @@
-#include "views/study_request.h"
+#include "io/study/study_request.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// views/run_study.h – the cases of a plan solved, several at a time.
+// io/study/run_study.h – the cases of a plan solved, several at a time.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,44 +1,15 @@
-// views/ready_joints.h – joints read, recognised and factorised once, for all cases that differ only in how
-// they are placed, loaded and moved.
+// io/study/ready_joints.h – joints of model files, each made ready once.
 #pragma once
 #include <cstdint>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "src/base/finding.h"
-#include "src/run/analysis.h"
+#include "src/run/ready_joint.h"
 
 namespace dea {
-
-/// A joint that is ready to be solved under any loads. Never changes.
-struct ReadyJoint {
-  JointModel model;
-  Prepared prepared;
-  FieldMaps maps;
-  Settings settings;   ///< of the joint
-  Findings warnings;   ///< of the model and the joint
-  double bytes = 0.0;  ///< of memory: kept_bytes
-
-  /// The end of the model's last step, as the file has it, solved from the reference when it is first asked for;
-  /// nullptr: it is no solution. Stopped: `stop` was set.
-  const Begin* begin(const StopFlag* stop) const;
-  /// The inside of its layers, made ready when it is first asked for.
-  const InsideMaps& inside() const;
-
- private:
-  mutable std::once_flag begun_;
-  mutable std::optional<Begin> begin_;
-  mutable std::once_flag looked_inside_;
-  mutable InsideMaps inside_;
-};
-
-/// A text for each joint: different where its model or a setting of it differs.
-std::string joint_key(const std::string& path, const Settings& settings);
 
 /// The joints that were used last, as many as fit. Several threads may ask at a time; a joint that two want is made
 /// once.

@@ -1,4 +1,4 @@
-#include "views/study_output.h"
+#include "io/study/study_output.h"
 
 #include <fmt/format.h>
 
@@ -144,12 +144,12 @@ OpenStudy open_study(const Study& study, const StudyOutput& output) {
   return open;
 }
 
-void solve_study(const Study& study, OpenStudy& open, const std::function<void(const CaseEnd&)>& told) {
+void solve_study(const Study& study, OpenStudy& open, const std::function<void(const CaseEnd&)>& on_case) {
   StudyOptions options = open.options;
   options.done = [&](CaseResult&& result) {
     const CaseEnd end{result.number, result.outcome, result.message, result.seconds};
     open.writer->add(std::move(result));
-    told(end);
+    on_case(end);
   };
   const InputWatch inputs(study.identity);
   open.writer->before_writing([&inputs] { inputs.check(); });
