@@ -13,7 +13,6 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/rules/rules.h"
-#include "src/base/parallel.h"
 #include "views/map/map_geometry.h"
 #include "views/text/compare_text.h"
 #include "views/text/run_text.h"
