@@ -15,6 +15,7 @@
 #include "plugin/interrupts.h"
 #include "plugin/read_fe_model.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
 #include "views/page/write_page.h"
@@ -102,7 +103,8 @@ bool run(FEBioModel& fem, const std::string& settings_file, const StopFlag* stop
   };
   const RunResult result = run_model(recognition, options);
 
-  for (const std::string& line : coded_lines(result.analysis.findings, febio_wording())) log_text(fem, line);
+  for (const std::string& line : coded_lines(result.analysis.findings, febio_wording()))
+    log_text(fem, message_line(line));
   log_text(fem, run_text(model, result.analysis, false));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;
