@@ -121,6 +121,12 @@ struct CiteArguments {
   SettingsArguments settings;
   std::string threads;
 };
+struct FindingsListArguments {
+  std::string code;
+};
+CLI::App* add_findings(CLI::App& app, FindingsListArguments& arguments);
+int list_findings(const FindingsListArguments& arguments);
+
 CLI::App* add_cite(CLI::App& app, CiteArguments& arguments);
 int cite(const CiteArguments& arguments);
 

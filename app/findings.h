@@ -33,13 +33,6 @@ bool tell_refused(const Findings& findings, const FindingsArguments& arguments);
 /// The same of codes of warnings.
 bool refused_codes(const std::vector<std::string>& codes, const FindingsArguments& arguments);
 
-struct FindingsListArguments {
-  std::string code;
-};
-/// `dea findings`: the rules, as the table of docs/findings.md.
-CLI::App* add_findings(CLI::App& app, FindingsListArguments& arguments);
-int list_findings(const FindingsListArguments& arguments);
-
 /// `--quiet CODE` in two words becomes `--quiet=CODE`; -q takes no code.
 std::vector<std::string> with_joined_codes(const std::vector<std::string>& words);
 

@@ -8,10 +8,10 @@
 #include "app/commands.h"
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
-#include "src/base/unit_names.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"
+#include "src/base/unit_names.h"
 #include "views/map/draw_map.h"
 #include "views/map/map_figure.h"
 

@@ -1094,7 +1094,7 @@ TEST(Solved, SettingsWithoutEffectAreTold) {
   for (const auto& [options, what] : idle) {
     const test::Finished f = run(options);
     EXPECT_EQ(f.code, 0) << f.err;
-    EXPECT_EQ(f.err, std::string("warning: ") + what + "\n");
+    EXPECT_EQ(f.err, std::string("warning: ") + what + " [idle-setting]\n");
   }
   EXPECT_EQ(run({"--rotate-about", "plate=com", "--rotate", "plate=0,0,1,1"}).err, "");
   EXPECT_EQ(run({"--frame", "hip=1,0,0/0,1,0/0,0,1"}).err, "");  // a settings file has all of a bone's
@@ -1427,7 +1427,7 @@ TEST(Solved, ABodyThatNothingLoadsIsNamed) {
   EXPECT_NE(
       f.err.find("nothing loads body \"femur\", which is free to move along x, y, z: the contact pushes it away and "
                  "nothing pushes back; give it a load with --force \"femur=x,y,z\" or a rigid force in the model, or "
-                 "hold or prescribe its motion\n"),
+                 "hold or prescribe its motion [no-solution]\n"),
       std::string::npos)
       << f.err;
   EXPECT_EQ(f.err.find("springs carry"), std::string::npos) << f.err;
@@ -1462,12 +1462,12 @@ TEST(Solved, APointOfALoadWithoutEffectIsTold) {
   const std::string turning = told(kModel, {"--load-at", "plate=0,0,1", "--free", "plate=z,Ru"});
   EXPECT_EQ(turning.find("--load-at"), std::string::npos) << turning;
   EXPECT_NE(told(kModel, {"--load-at", "plate=0,0,1"})
-                .find("warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn\n"),
+                .find("warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn [idle-load-point]\n"),
             std::string::npos);
   EXPECT_NE(told(kModel, {"--load-at", "base=0,0,1"})
                 .find("warning: --load-at base: it has no effect, for no rigid force acts on body \"base\" (other "
                       "forces have points of their own); give one with "
-                      "--force \"base=x,y,z\", or leave it out\n"),
+                      "--force \"base=x,y,z\", or leave it out [idle-load-point]\n"),
             std::string::npos);
 }
 
@@ -1519,7 +1519,7 @@ TEST(BadInput, SurfacesCalledByWhatLiesUnderThem) {
     EXPECT_EQ(f.code, 0) << f.err;
     EXPECT_EQ(states(f), by_name) << c.first;
     EXPECT_NE(f.err.find(fmt::format("note: --thickness \"{}\" names no surface; it is taken for \"top\", the only "
-                                     "articular surface of {}\n",
+                                     "articular surface of {} [surface-meant]\n",
                                      c.first, c.second)),
               std::string::npos)
         << f.err;

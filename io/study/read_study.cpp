@@ -24,13 +24,13 @@ std::optional<std::string> said_if(const Database& d, const char* key) {
   return row.step() ? std::optional<std::string>(row.text(0)) : std::nullopt;
 }
 
-std::string said(const Database& d, const char* key) {
+std::string text_of_key(const Database& d, const char* key) {
   if (const auto text = said_if(d, key)) return *text;
   throw InputError(fmt::format("{}: found no \"{}\" in table study, expected one", d.path(), key));
 }
 
 int whole_number(const Database& d, const char* key) {
-  const std::string text = said(d, key);
+  const std::string text = text_of_key(d, key);
   try {
     return std::stoi(text);
   } catch (const std::exception&) {
@@ -41,7 +41,7 @@ int whole_number(const Database& d, const char* key) {
 StudyHead head_of(const Database& d) {
   StudyHead head;
   head.path = d.path();
-  head.identity.version = said(d, "version");
+  head.identity.version = text_of_key(d, "version");
   head.identity.shard = whole_number(d, "shard");
   head.identity.shards = whole_number(d, "shards");
   head.identity.inside = said_if(d, "inside") == "1";

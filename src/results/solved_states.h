@@ -28,4 +28,13 @@ struct SolvedStates {
   Findings idle;                    ///< settings and loads that have no effect (rules/idle_loads.h)
 };
 
+/// Every state is a solution. One on the way that nothing loads does no harm; as the last one it is no answer.
+inline bool all_solved(const SolvedStates& result) {
+  for (const StateResult& state : result.states) {
+    const bool on_the_way = state.equilibrium.outcome == Outcome::NoContact && &state != &result.states.back();
+    if (!solved(state.equilibrium.outcome) && !on_the_way) return false;
+  }
+  return true;
+}
+
 }  // namespace dea

@@ -278,9 +278,4 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   return analysis;
 }
 
-bool all_solved(const Analysis& analysis) {
-  return std::all_of(analysis.states.begin(), analysis.states.end(),
-                     [](const StateResult& s) { return solved(s.equilibrium.outcome); });
-}
-
 }  // namespace dea

@@ -87,7 +87,4 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options 
 /// The same from the start.
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});
 
-/// True if every state that was asked for is a solution.
-bool all_solved(const Analysis& analysis);
-
 }  // namespace dea

@@ -56,7 +56,8 @@ void add_states(const ReadyJoint& ready, SolvedStates&& solved_states, bool keep
   for (StateResult& state : solved_states.states) {
     result.states.push_back(case_state(joint, std::move(state), keep_fields, wording));
     const CaseState& last = result.states.back();
-    if (solved(last.outcome) || result.outcome == CaseResult::Outcome::Failed) continue;
+    const bool on_the_way = last.outcome == Outcome::NoContact && &state != &solved_states.states.back();
+    if (solved(last.outcome) || on_the_way || result.outcome == CaseResult::Outcome::Failed) continue;
     result.outcome = CaseResult::Outcome::Failed;
     result.message = fmt::format("time {:g}: {}: {}", last.time, name(last.outcome), last.message);
   }

@@ -305,12 +305,30 @@ TEST_F(Cli, JsonHasTheAgreedKeysInTheAgreedOrder) {
   EXPECT_TRUE(s["residual_force"].is_null());  // nothing is free
   EXPECT_EQ(keys(s["bodies"]), (Names{"base", "plate"}));
   expect_keys(s["bodies"]["plate"], {"translation", "rotation", "force", "moment"});
-  expect_keys(
-      s["contacts"][0],
-      {"name", "source", "target", "springs", "springs_hit", "springs_active", "peak_pressure", "p99_pressure",
-       "mean_pressure", "median_pressure", "p5_pressure", "p25_pressure", "p75_pressure", "p95_pressure",
-       "contact_area", "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure", "nodal_median_pressure",
-       "facet_contact_area", "center_of_pressure", "force", "moment", "largest_strain"});
+  expect_keys(s["contacts"][0], {"name",
+                                 "source",
+                                 "target",
+                                 "springs",
+                                 "springs_hit",
+                                 "springs_active",
+                                 "peak_pressure",
+                                 "p99_pressure",
+                                 "mean_pressure",
+                                 "median_pressure",
+                                 "p5_pressure",
+                                 "p25_pressure",
+                                 "p75_pressure",
+                                 "p95_pressure",
+                                 "contact_area",
+                                 "facet_peak_pressure",
+                                 "nodal_peak_pressure",
+                                 "nodal_mean_pressure",
+                                 "nodal_median_pressure",
+                                 "facet_contact_area",
+                                 "center_of_pressure",
+                                 "force",
+                                 "moment",
+                                 "largest_strain"});
   EXPECT_EQ(s["contacts"][0]["source"], "base");
   EXPECT_EQ(s["contacts"][0]["target"], "plate");
   EXPECT_TRUE(j["settings"]["law"].is_null());  // nothing was said; what holds is the contact's
@@ -329,10 +347,11 @@ TEST_F(Cli, CsvHasALinePerStateAndContact) {
   int count = 0;
   while (std::getline(lines, line)) {
     ++count;
-    const std::size_t quote = line.find('"');  // of the last cell, what is to be known of all: in the first line alone
-    EXPECT_EQ(quote != line.npos && quote + 1 < line.size(), count == 1) << line;
-    EXPECT_EQ(std::count(line.begin(), quote == line.npos ? line.end() : line.begin() + static_cast<long>(quote), ','),
-              std::count(header.begin(), header.end(), ','));
+    const std::size_t quote = line.find('"'),
+                      end = line.rfind('"');  // what is to be known of all: in the first line alone
+    EXPECT_EQ(quote != line.npos && quote < end, count == 1) << line;
+    if (quote != line.npos) line.erase(quote, end - quote);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
   }
   EXPECT_EQ(count, 5);
 }
@@ -356,14 +375,11 @@ TEST_F(Cli, QuietNamesTheStatesThatAreNoSolution) {
   std::istringstream lines(f.err);
   Names found;
   for (std::string line; std::getline(lines, line);) found.push_back(line);
-  ASSERT_EQ(found.size(), 5u) << f.err;
-  const char* times[] = {"0.25", "0.5", "0.75", "1"};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::string start = fmt::format("warning: time {}: SurfacesApart: ", times[i]);
-    EXPECT_EQ(found[i].substr(0, start.size()), start);
-    EXPECT_GT(found[i].size(), start.size() + 10);  // and why
-  }
-  EXPECT_EQ(found[4], "warning: no solution in 4 of 5 states");
+  ASSERT_EQ(found.size(), 2u) << f.err;
+  const std::string start = "warning: times 0.25 to 1 (4 states): SurfacesApart; at time 1: ";
+  EXPECT_EQ(found[0].substr(0, start.size()), start);
+  EXPECT_GT(found[0].size(), start.size() + 10);  // and why
+  EXPECT_EQ(found[1], "warning: no solution in 4 of 5 states");
   EXPECT_EQ(dea({"run", "pull.feb", "-q", "--states", "0", "--overwrite"}).err,
             "");  // the reference state is none that failed
 }
@@ -381,10 +397,10 @@ TEST_F(Cli, QuietNamesForcesWithoutEffect) {
   EXPECT_EQ(
       quiet("base=0,0,-9"),
       "warning: --force base: body \"base\" is not free to move along z at the end of the last step; this load has "
-      "no effect\n");
+      "no effect [idle-load]\n");
   EXPECT_EQ(quiet("plate=1,0,-9"),
             "warning: --force plate: body \"plate\" is not free to move along x at the end of the last step; this part "
-            "of the force has no effect\n");
+            "of the force has no effect [idle-load]\n");
   write_model();  // the plate's motion is prescribed
   const Finished f =
       dea({"run", "flat.feb", "--no-xplt", "--force", "plate=1,0,-9", "--json", "r.json", "--csv", "r.csv"});
@@ -696,10 +712,12 @@ TEST_F(Cli, SetIsTheSameAsInTheModel) {
   EXPECT_NE(last({"knee.feb"}), written);
 
   const Finished info = dea({"info", "knee.feb", "--set", "ACL.stiffness=65"});
-  EXPECT_NE(info.out.find("note: set: ACL.stiffness 65 for all 2 of this name (model: 80)\n"), std::string::npos);
+  EXPECT_NE(info.out.find("note: set: ACL.stiffness 65 for all 2 of this name (model: 80) [value-set]\n"),
+            std::string::npos);
   EXPECT_NE(info.out.find("stiffness 65, free length"), std::string::npos);
   const Finished run = dea({"run", "knee.feb", "--law", "linear", "--states", "last", "--set", "ACL.stiffness=65"});
-  EXPECT_NE(run.err.find("set: ACL.stiffness 65 for all 2 of this name (model: 80)\n"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("set: ACL.stiffness 65 for all 2 of this name (model: 80) [value-set]\n"), std::string::npos)
+      << run.err;
   const Finished refused = dea({"convert", "knee.feb", "--set", "ACL.stiffness=65"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_EQ(refused.err,
@@ -852,15 +870,15 @@ TEST_F(Cli, UnitsOfTables) {
     for (const char* word : {"area 9 mm²\n", ", E 10 MPa, nu 0.3, ", "thickness: min 2, mean 2, max 2 mm; "})
       EXPECT_NE(info.find(word), std::string::npos) << word << info;
     EXPECT_EQ(Json::parse(file_text(folder / "i.json"))["unit_names"], units);
-    EXPECT_NE(with("converge", {"--max-springs", "20"}).find("mean changes  area [mm²]  area changes"),
-              std::string::npos);
+    EXPECT_NE(with("converge", {"--max-springs", "20"}).find("area [mm²]  area changes"), std::string::npos);
     const Finished compare = dea({"compare", "r.xplt", "r.xplt", "--details"});
     for (const char* word : {"\np99 [MPa] ", "\narea [mm²] ", "\nresultant of the map [N] ", "position r [mm]"})
       EXPECT_NE(compare.out.find(word), std::string::npos) << word << compare.out;
     fs::remove(folder / "r.xplt");
   }
   const Finished silent = dea({"run", "silent.feb", "--json", "s.json"});
-  EXPECT_EQ(silent.out.find('['), std::string::npos) << silent.out;
+  EXPECT_EQ(silent.out.find(" [m"), std::string::npos) << silent.out;
+  EXPECT_EQ(silent.out.find(" [N"), std::string::npos) << silent.out;
   EXPECT_TRUE(Json::parse(file_text(folder / "s.json"))["unit_names"].is_null());
   EXPECT_EQ(dea({"info", "silent.feb"}).out.find("mm"), std::string::npos);
   const Finished other = dea({"run", "flat.feb", "--units", "SI"});

@@ -1027,7 +1027,7 @@ TEST_F(ReadFeb, FilesThatAreNoModelAreRefused) {
             "p.fsm: this is a FEBio Studio project; export the FEBio file: File > Export FE model (.feb)");
   EXPECT_EQ(fault_of(""), "model.feb: the file is empty, expected a FEBio model: save it again");
   EXPECT_EQ(fault_of("solid cube\nfacet"),
-            "model.feb:1: the file starts with \"solid cube f\", expected \"<?xml\": this is no FEBio model (.feb)");
+            "model.feb:1: the file starts with \"solid cube\\nf\", expected \"<?xml\": this is no FEBio model (.feb)");
   EXPECT_EQ(fault_of("<?xml version=\"1.0\"?>\n<html/>"),
             "model.feb:2: the root is \"html\", expected <febio_spec>: this is no FEBio model");
   EXPECT_EQ(fault_of("\xFF\xFE<"), "model.feb:1: this is text in UTF-16, expected UTF-8: save it with that encoding");

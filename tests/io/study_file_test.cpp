@@ -284,7 +284,7 @@ TEST_F(StudyFile, WhatIsNoStudyIsSaid) {
   EXPECT_NE(input_fault([&] { read_study_head(path); }).find("another program"), std::string::npos);
   std::filesystem::remove(path);
   write({});
-  make("PRAGMA user_version = 2");
+  make("PRAGMA user_version = 3");
   EXPECT_NE(input_fault([&] { read_study_head(path); }).find("found dea.study/3, expected dea.study/2"),
             std::string::npos);
   std::filesystem::remove(path);

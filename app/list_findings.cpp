@@ -1,0 +1,65 @@
+// `dea findings`: what dea may tell, by its code.
+#include <fmt/format.h>
+
+#include "app/commands.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/names.h"
+#include "src/rules/rules.h"
+
+namespace dea {
+
+namespace {
+
+/// A rule's words without what only the program reads: {name:.3g} as <name>, {n?is|are} as "are".
+std::string plain_template(const std::string& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] != '{') {
+      text += words[i];
+      continue;
+    }
+    const std::size_t end = words.find('}', i);
+    const std::string slot = words.substr(i + 1, end - i - 1);
+    const std::size_t bar = slot.find('|');
+    text += bar == std::string::npos ? "<" + slot.substr(0, slot.find(':')) + ">" : slot.substr(bar + 1);
+    i = end;
+  }
+  return text;
+}
+
+std::string rule_row(const Rule& rule) {
+  return fmt::format("| `{}` | {}{} | {} | {} |\n", rule.code, name(rule.words.front().severity),
+                     rule.quiet ? ", not on the terminal" : "", rule.acts, plain_template(rule.words.front().text));
+}
+
+constexpr const char* kFindingsFooter = R"(
+Prints a table of all that dea may tell of a model and its results: the code behind each line in brackets, how severe it is,
+what to do, and the words. With a code, the row of that one.
+
+Examples:
+  dea findings narrow-contact
+  dea run hip.feb --error-on narrow-contact
+  dea run hip.feb --quiet rim-bevelled)";
+
+}  // namespace
+
+CLI::App* add_findings(CLI::App& app, FindingsListArguments& a) {
+  CLI::App* c = app.add_subcommand("findings", "List what dea may warn of, by its code");
+  c->footer(kFindingsFooter);
+  c->add_option("CODE", a.code, "Code of a finding: narrow-contact");
+  return c;
+}
+
+int list_findings(const FindingsListArguments& a) {
+  if (!a.code.empty() && find_rule(a.code) == nullptr)
+    throw UsageError(
+        fmt::format("found \"{}\", expected the code of a finding{}", a.code, did_you_mean(a.code, rule_codes())));
+  std::string text = a.code.empty() ? "| code | severity | what to do | words |\n|---|---|---|---|\n" : "";
+  for (const Rule& rule : rules())
+    if (a.code.empty() || a.code == rule.code) text += rule_row(rule);
+  print(text);
+  return kSolved;
+}
+
+}  // namespace dea
