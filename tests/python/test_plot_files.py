@@ -146,7 +146,7 @@ def test_domains_without_a_name_have_that_of_their_part(file):
 
 
 def test_pictures_are_those_of_dea_plot(file, hip_result, dea, tmp_path):
-    dea("plot", file.path, "-o", "hip.svg", "--label", "hip", cwd=tmp_path)
+    dea("plot", file.path, "-o", "hip.svg", cwd=tmp_path)
     drawn = (tmp_path / "hip.svg").read_bytes()
     assert febiodea.picture(file, tmp_path / "python.svg") is None
     assert febiodea.picture(file) == drawn == (tmp_path / "python.svg").read_bytes()
