@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
 #include "src/base/rotations.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
