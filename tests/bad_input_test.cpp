@@ -12,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <thread>
 
 #include "tests/program.h"
@@ -1126,6 +1127,119 @@ TEST(NoSolution, SurfacesBesideEachOtherAreNamed) {
                        "each other, or look the same way?)"),
             std::string::npos)
       << f.err;
+}
+
+// Coordinates, motions, loads and times out of all proportion.
+TEST(BadInput, OutOfAllProportion) {
+  const auto corner = [](const char* x) { return edited({{">1,1,0</node>", std::string(">1,") + x + ",0</node>"}}); };
+  const auto shifted = [](double far) {
+    std::string text = kModel;
+    for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+      for (const double z : {-2.0, 0.0})
+        text = edited(
+            {{fmt::format(">{},{},{:g}</node>", x, y, z), fmt::format(">{:.9g},{},{:g}</node>", far + x, y, z)}}, text);
+    return text;
+  };
+  const std::string away =
+      "node 7 of element 1 of \"layer\" is 1e+09 away from its other nodes, which are 2 apart; check "
+      "its coordinates (1, 1e+09, 0)";
+  const Words moved = {"--motion", "t.csv", "--motion-body", "plate"},
+              loaded = {"--loads", "t.csv", "--load-body", "plate"};
+  for (const Case& c : {
+           Case{"a corner", corner("1e9"), 3, "<Elements type=\"hex8\"", {away}},
+           Case{"a corner, farther",
+                corner("-1e30"),
+                3,
+                "<Elements type=\"hex8\"",
+                {"node 7 of element 1", "1e+30 away"}},
+           Case{"a bone's corner",
+                edited({{">2,2,0.1<", ">2,2,1e9<"}}),
+                3,
+                "<Elements type=\"quad4\" name=\"plate\"",
+                {"node 11 of element 3 of \"plate\" is 1e+09 away"}},
+           Case{"all of a body",
+                shifted(1e8),
+                3,
+                "<Surface name=\"top\"",
+                {"surface \"top\" is too far from the origin (node 5 at (1e+08, -1, 0))",
+                 "cannot tell nodes 2 apart there", "move the model to the origin"}},
+           Case{"a centre of mass",
+                edited({{"<center_of_mass>0,0,1<", "<center_of_mass>0,0,1e19<"}}),
+                3,
+                "<material id=\"3\"",
+                {"the centre of mass of \"plate\" is at (0, 0, 1e+19)", "check its coordinates"}},
+           Case{"a load", edited({{">-5<", ">-5e20<"}, {"<pt>1,1<", "<pt>1,1e20<"}}), 3, "", {"at most 1e30"}},
+           Case{"a motion of a table",
+                kModel,
+                3,
+                "",
+                {"t.csv:2: column \"tz\": found \"1e308\"", "at most 1e30"},
+                moved,
+                {{"t.csv", "time,tx,ty,tz\n0,0,0,1e308\n"}}},
+           Case{"a time of a table",
+                kModel,
+                3,
+                "",
+                {"t.csv:2: column \"time\": found \"-1e300\"", "at most 1e30"},
+                loaded,
+                {{"t.csv", "time,fx,fy,fz\n-1e300,0,0,-5\n"}}},
+           Case{"a setting",
+                kModel,
+                2,
+                "",
+                {"--move plate=0,0,1e308: found \"0,0,1e308\""},
+                {"--move", "plate=0,0,1e308"}},
+       })
+    check(c);
+}
+
+// What lies far beyond the other surface is apart from it; nothing that looks for contact may come to grief over it.
+TEST(NoSolution, BodiesMovedOutOfReach) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << kModel;
+  std::ofstream(folder.path / "t.csv") << "time,tx,ty,tz\n0,9.2e18,0,0\n";
+  for (const Words& options :
+       {Words{"--motion", "t.csv", "--motion-body", "plate"}, Words{"--move", "plate=0,1e19,0"},
+        Words{"--move", "plate=0,0,1e30"}, Words{"--rotate", "plate=0,0,1,30", "--rotate-about", "plate=1e19,0,0"}}) {
+    Words words = {DEA_PROGRAM, "run", "model.feb", "-q", "--no-xplt"};
+    words.insert(words.end(), options.begin(), options.end());
+    const test::Finished f = test::run_program(folder.path, words, kLimit);
+    EXPECT_TRUE(f.code == 0 || f.code == 1) << f.code << f.err;  // a motion that is given needs no balance
+    EXPECT_FALSE(has_nan(f.err)) << f.err;
+  }
+}
+
+// Any damage to a model ends in an answer or in a line. The same damage each time.
+TEST(BadInput, DamagedModelsAreAnsweredOrRefused) {
+  std::mt19937 random(20);
+  const auto any = [&](std::size_t count) { return static_cast<std::size_t>(random()) % count; };
+  const Words numbers = {"1e9", "-1e30", "1e15", "1e-30", "-1", "0", "1e300", "nan", "", "99999999999", "1e5", "7"};
+  for (int i = 0; i < 150; ++i) {
+    Words text = lines(kModel);
+    std::string& line = text[any(text.size())];
+    const std::size_t place = line.find_first_of("0123456789", any(line.size() + 1));
+    switch (any(6)) {
+      case 0:
+        line.clear();
+        break;
+      case 1:
+        line += line;
+        break;
+      case 2:
+        std::swap(line, text[any(text.size())]);
+        break;
+      default:
+        if (place == std::string::npos) continue;
+        line.replace(place, line.find_first_not_of("0123456789.", place) - place, numbers[any(numbers.size())]);
+    }
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << fmt::format("{}", fmt::join(text, "\n"));
+    const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "-q"}, kLimit);
+    SCOPED_TRACE(line);
+    EXPECT_TRUE(f.code >= 0 && f.code <= 3) << f.code << f.err;
+    EXPECT_FALSE(f.timed_out);
+    EXPECT_EQ(f.code == 3, !fs::exists(folder.path / "model_dea.xplt")) << f.err;
+  }
 }
 
 // What stands there, what may have been meant, and what there is.

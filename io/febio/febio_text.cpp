@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "src/base/parse.h"
+
 namespace dea::febio {
 namespace {
 
@@ -39,7 +41,6 @@ std::string lower(std::string_view text) {
 bool same_word(std::string_view a, std::string_view b) { return a.size() == b.size() && lower(a) == lower(b); }
 
 Number take_double(std::string_view& text, double& value) {
-  constexpr double kLargest = 1e30;
   skip_to_number(text);
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
@@ -51,7 +52,7 @@ Number take_double(std::string_view& text, double& value) {
     value = 0.0;
     return tiny ? Number::Ok : Number::NotFinite;
   }
-  return std::abs(value) <= kLargest ? Number::Ok : Number::NotFinite;  // false for NaN
+  return std::abs(value) <= kLargestNumber ? Number::Ok : Number::NotFinite;  // false for NaN
 }
 
 Number take_int(std::string_view& text, int& value) {

@@ -13,6 +13,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
+#include "src/model/sound_mesh.h"
 
 namespace dea {
 
@@ -119,6 +120,11 @@ ResultSurface make_surface(const ResultFile& result, int state, int surface, con
     if (!positions[at(node)].allFinite())
       throw InputError(
           fmt::format("{}: surface \"{}\": found a node whose position is not a number", result.path, facets.name));
+  const NodeSpacing spacing = node_spacing(positions, facets.begin, facets.nodes);
+  for (int node : facets.nodes)
+    if (is_flung(spacing, node))
+      throw InputError(fmt::format("{}: surface \"{}\": node {} {} the file is damaged, or its model is", result.path,
+                                   facets.name, mesh.node_ids[at(node)], flung_words(spacing, node)));
   return make_result_surface(facets.name, facets.begin, facets.nodes, positions);
 }
 

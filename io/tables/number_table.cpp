@@ -19,7 +19,7 @@ std::vector<double> numbers_of(const TextTable& table, const std::vector<std::st
       row.push_back(parse_number(words[i]));
     } catch (const BadValue&) {
       throw table_fault(table.path, line,
-                        fmt::format("column {}: found {}, expected a number with a decimal point",
+                        fmt::format("column {}: found {}, expected a number with a decimal point, at most 1e30",
                                     febio::quote(table.names[i]), febio::quote(words[i])));
     }
   }
@@ -55,10 +55,10 @@ NumberTable make_table(const std::string& path, const std::vector<std::string>& 
       throw table_fault(path, line,
                         fmt::format("found {} values, expected {}: one for each name", row.size(), names.size()));
     for (std::size_t i = 0; i < row.size(); ++i)
-      if (!std::isfinite(row[i]))
-        throw table_fault(
-            path, line,
-            fmt::format("column {}: found {}, expected a finite number", febio::quote(table.names[i]), row[i]));
+      if (!(std::abs(row[i]) <= kLargestNumber))
+        throw table_fault(path, line,
+                          fmt::format("column {}: found {}, expected a number of at most 1e30",
+                                      febio::quote(table.names[i]), row[i]));
     table.rows.push_back(row);
     table.lines.push_back(line);
   }

@@ -56,6 +56,10 @@ void require(bool fits, const char* what) {
 template <class Numbers>
 void require_finite(const Numbers& numbers, const char* what) {
   for (const float number : numbers) {
+    if (std::isinf(number))
+      throw InputError(fmt::format("a plot file cannot hold the {} of this model, which is beyond 3e38: check the "
+                                   "model's numbers, its settings and their units",
+                                   what));
     if (!std::isfinite(number)) throw std::logic_error(fmt::format("plot file: {}: not a finite number", what));
   }
 }

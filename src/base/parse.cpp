@@ -37,6 +37,9 @@ double parse_number(const std::string& text) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') ++begin;  // from_chars knows no plus sign
   double number = 0.0;
   const auto result = std::from_chars(begin, end, number);
+  const bool large =
+      result.ec == std::errc::result_out_of_range || (std::isfinite(number) && std::abs(number) > kLargestNumber);
+  if (large && result.ptr == end) throw bad_value(text, "a number of at most 1e30");
   if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number))
     throw bad_value(text, has_decimal_comma(text) ? "a number with a decimal point" : "a number");
   return number;

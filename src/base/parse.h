@@ -15,9 +15,12 @@ struct BadValue : std::runtime_error {
 /// `found "FOUND", expected EXPECTED`; of words that may be meant also the nearest one: `(did you mean "last"?)`.
 BadValue bad_value(const std::string& found, const std::string& expected, const std::vector<std::string>& words = {});
 
+/// The largest number of a model, a table or a setting: its square and cube are numbers, too.
+inline constexpr double kLargestNumber = 1e30;
+
 /// 1,5 where 1.5 is meant.
 bool has_decimal_comma(const std::string& text);
-/// Finite, with a decimal point. Throws BadValue, as those below do.
+/// At most kLargestNumber, with a decimal point. Throws BadValue, as those below do.
 double parse_number(const std::string& text);
 std::vector<double> parse_numbers(const std::string& text);  ///< separated by commas
 int parse_count(const std::string& text, int least, int most);

@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
 #include "src/base/rotations.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
@@ -32,11 +33,11 @@ struct Instant {
 
 double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
   const double v = value(now.model, scaled, now.time);
-  if (std::isfinite(v)) return v;
+  if (std::abs(v) <= kLargestNumber) return v;
   throw fault_at(
       now.model, origin,
-      fmt::format("its value at time {} is no finite number (load curve {}): mend the curve's points",
-                  time_text(now.time), scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
+      fmt::format("its value at time {} is {:g}, expected at most 1e30 (load curve {}): mend the curve's points",
+                  time_text(now.time), v, scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
 }
 
 Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Origin origin) {

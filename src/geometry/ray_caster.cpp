@@ -257,6 +257,8 @@ LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direct
   query.to = std::min(to, middle + reach);
   LineHit result;
   if (!(query.from < query.to) || s.mesh->size() == 0) return result;
+  // A line past that sphere meets nothing, and may start where single precision has no numbers any more.
+  if (!((origin + middle * direction - s.center).norm() < reach)) return result;
   const Vector3d start = origin + (query.from - 2 * s.padding) * direction - s.center;
   RTCRayHit ray;
   ray.ray.org_x = static_cast<float>(start.x());

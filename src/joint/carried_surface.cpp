@@ -57,7 +57,7 @@ std::optional<Fault> volume_fault(const JointModel& model, const Domain& d, int 
   const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
   if (volume < 0)
     return make_fault(model, d.origin, say("{} is inside out (volume {:g});", which, volume),
-                      "check the node order of its elements");
+                      "check the node order of its elements, and the coordinates of its nodes");
   return make_fault(model, d.origin, say("{} has no volume;", which),
                     "check its thickness and the positions of its nodes");
 }

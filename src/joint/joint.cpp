@@ -11,6 +11,7 @@
 #include "src/facts/separate_pieces.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/joint/given_values.h"
+#include "src/model/sound_mesh.h"
 
 namespace dea {
 
@@ -158,6 +159,9 @@ OtherContacts other_contacts(const JointModel& model) {
           r.advice.text.rfind("did you mean ", 0) == 0 ? r.advice.text.find('?') : std::string::npos;
       add(r.what + (question == std::string::npos ? "" : " (" + r.advice.text.substr(0, question + 1) + ")"), r.origin);
     }
+  if (others.list.empty() && (model.version == "1.2" || model.version == "2.0"))  // there it is a contact
+    for (const RigidNodes& set : model.rigid_nodes)
+      if (others.list.empty()) add("contact \"rigid\", which fastens nodes to a rigid body", set.origin);
   return others;
 }
 
@@ -208,6 +212,7 @@ void check_body_names(const JointModel& model, const std::vector<Body>& bodies, 
 }
 
 JointFound find_joint(const JointModel& model, const Settings& settings) {
+  if (std::vector<Fault> faults = mesh_faults(model); !faults.empty()) return {{}, std::move(faults)};
   const ModelParts parts = find_parts(model, settings);
   check_names(parts);
   check_body_names(model, parts.bodies.bodies, settings);
