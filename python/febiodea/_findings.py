@@ -1,24 +1,29 @@
 """What was concluded, left out or is doubtful."""
 
 
+def _value(name, doc):
+    return property(lambda self: self._of[name], doc=doc)
+
+
 class Finding(str):
-    """One line, as the program prints it, with what it was made of.
+    """One line, as the program prints it, with what it was made of (docs/findings.md). What does not apply is None."""
 
-    code: of the rule, "narrow-contact" (docs/findings.md). severity: "warning", "note", "ignored". place: file and line of the
-    model, or None. contact, surface, body, time: whom it is of, or None. values: its numbers and names, a dictionary in the
-    model's units.
-    """
-
-    def __new__(cls, line, *, text, **of):
-        return super().__new__(cls, line)
-
-    def __init__(self, line, *, code, severity, place, contact, surface, body, time, values, text):
-        self.code, self.severity, self.place = code, severity, place
-        self.contact, self.surface, self.body, self.time = contact, surface, body, time
-        self.values = values
+    def __new__(cls, line, **of):
+        finding = super().__new__(cls, line)
+        finding._of = of
+        return finding
 
     def __reduce__(self):
-        return _again, (str(self), {**self.__dict__, "text": ""})
+        return _again, (str(self), self._of)
+
+    code = _value("code", "Of the rule: \"narrow-contact\". Never renamed.")
+    severity = _value("severity", "\"warning\", \"note\" or \"ignored\".")
+    place = _value("place", "File and line of the model.")
+    contact = _value("contact", "The contact it is of.")
+    surface = _value("surface", "The surface it is of.")
+    body = _value("body", "The body it is of.")
+    time = _value("time", "The state's time.")
+    values = _value("values", "Its numbers and names, in the model's units.")
 
 
 def _again(line, of):
