@@ -311,7 +311,12 @@ void point_query(const RayCaster::Scene& scene, ClosestQuery& query, double radi
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  ClosestQuery query{scene_.get(), x, nullptr, 0.0, kInfinity, 1e-12 * scene_->extent, {}};
+  // From very far away single precision tells no triangles apart, and each would be asked: a point on the way there has
+  // the same answer to the digits that are left.
+  const Vector3d away = x - scene_->center;
+  const double far = 1e4 * scene_->extent;
+  const Vector3d from = away.norm() > far ? Vector3d(scene_->center + far * away.normalized()) : x;
+  ClosestQuery query{scene_.get(), from, nullptr, 0.0, kInfinity, 1e-12 * scene_->extent, {}};
   point_query(*scene_, query, kInfinity);
   return query.point;
 }
