@@ -38,7 +38,7 @@ def _build(folder):
     run = lambda *words: subprocess.run([str(w) for w in words], check=True)  # noqa: E731
     if not (build / "CMakeCache.txt").exists():  # another's build stays as it was configured
         run("cmake", "-S", ROOT, "-B", build, f"-DPython_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release",
-            "-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF")
+            "-DBUILD_TESTING=OFF")
     targets = subprocess.run(["cmake", "--build", build, "--target", "help"], check=True, capture_output=True, text=True)
     if "febiodea_python" not in targets.stdout:
         sys.exit("febiodea: pybind11 or Python's headers were not found (Debian: apt-get install pybind11-dev python3-dev)")
