@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -768,6 +769,28 @@ TEST_F(CompareCommand, ThirdsInJson) {
   }
 }
 
+// A socket's six regions are halves of its thirds, and sectors leave nothing out.
+TEST_F(CompareCommand, RegionsInTheWordsOfStudies) {
+  const auto areas = [&](const std::string& words) {
+    const test::Finished f = compare("a.xplt b.xplt --up 0,1,0 --json - --regions " + words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    std::map<std::string, double> found;
+    for (const Json& region : Json::parse(f.out)["surfaces"][0]["regions"])
+      found[region["name"].is_null() ? "" : region["name"].get<std::string>()] =
+          region["results"][1]["facets"][0]["area"];
+    return found;
+  };
+  std::map<std::string, double> thirds = areas("anterior-superior-posterior --anterior -1,0,0"),
+                                socket = areas("socket --anterior -1,0,0"), sectors = areas("sectors=4");
+  EXPECT_EQ(socket.size(), 7u);
+  for (const std::string name : {"anterior", "superior", "posterior"})
+    EXPECT_NEAR(socket[name + " medial"] + socket[name + " lateral"], thirds[name], 1e-9) << name;
+  double all = 0;
+  for (const auto& [name, area] : sectors) all += name.empty() ? 0.0 : area;
+  EXPECT_EQ(sectors.size(), 5u);
+  EXPECT_NEAR(all, sectors[""], 1e-9);
+}
+
 TEST_F(CompareCommand, ProfileTableHasNoEmptyBinsAtItsEnds) {
   const std::string words = "a.xplt b.xplt --profile --axis -1,0,0 --center 0,0,0.1 --bin 30";
   const test::Finished table = compare(words);
@@ -814,12 +837,14 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt b.xplt --label x --label 12345678901234567890123456789012345678901", 2,
        "dea: --label 12345678901234567890123456789012345678901: found 41 bytes, expected 1 to 40"},
       {"a.xplt b.xplt --axis 0,0,1", 2,
-       "dea: --axis and --center belong to --profile or --regions socket|anterior-superior-po"},
+       "dea: --axis and --center belong to --profile or --regions socket|anterior-superior-posterior|sectors=N"},
       {"a.xplt b.xplt --threshold 0", 2, "dea: --threshold 0: found \"0\", expected a pressure above 0"},
       {"a.xplt b.xplt --areas current", 2, "dea: --areas current: found \"current\", expected reference or deformed"},
       {"a.xplt b.xplt --at soon", 2, "dea: --at soon: found \"soon\""},
       {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1", 2,
-       "dea: --regions socket|anterior-superior-posterior|sectors=N, --up x,y,z and --anterior "},
+       "dea: --regions socket|anterior-superior-posterior|sectors=N, --up x,y,z and --anterior x,y,z go together"},
+      {"a.xplt b.xplt --regions socket,sectors=3 --up 0,1,0 --anterior -1,0,0", 2,
+       "dea: --regions socket,sectors=3: found two of socket|anterior-superior-posterior|sectors=N, expected one"},
       {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 1,0,0", 2,
        "dea: up points along the surface's axis"},
       {"a.xplt b.xplt --profile --axis 1,2", 2, "dea: --axis 1,2: found \"1,2\", expected three numbers x,y,z"},

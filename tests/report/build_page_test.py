@@ -152,6 +152,11 @@ def the_hip_is_drawn(b, pages):
     true(b.run("return document.getElementById('hip-figure').naturalWidth") > 200, "the picture is not there")
     words = b.run("return document.getElementById('numbers').textContent")
     true("%.1f" % pages["json"]["hip"]["lateral_center_edge"] in words, "the lateral centre-edge angle")
+    b.size(390, 800)  # one panel below the other, as wide as the page
+    panels = b.run("return [...document.querySelectorAll('#figure-hip img')].map(p => [p.clientWidth, p.complete && p.naturalHeight > p.naturalWidth])")
+    same(panels[0][0], 0, "width of the whole picture")
+    true(len(panels) == 4 and all(width > 330 and tall for width, tall in panels[1:]), f"panels on a narrow page: {panels}")
+    b.size(*WINDOW)
 
 
 @check

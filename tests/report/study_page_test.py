@@ -107,6 +107,18 @@ def between_cases_only_where_it_is_said(b, pages):
 
 
 @check
+def it_prints_what_was_out_of_sight(b, pages):
+    b.size(1000, 300)
+    ready(b, pages["turn"])
+    b.wait("StudyMaps.panels.every(p => !p.visible)", 10, "maps out of sight")
+    b.cdp("Page.printToPDF", printBackground=True)
+    drawn = b.run(HASH + "return StudyMaps.panels.map(p => hash(p.canvas))")
+    true(all(colours > 10 for _, colours in drawn), f"blank maps on paper: {drawn}")
+    true(b.run("return Page.figures.every(f => f.element.hidden || f.plot.querySelector('svg'))"), "a figure is not drawn")
+    b.size(*WINDOW)
+
+
+@check
 def play_goes_through_the_states(b, pages):
     ready(b, pages["turn"])
     slide(b, "map-state", 0)
