@@ -32,7 +32,7 @@ struct Reason {
   const char* advice;  ///< what to do next
 };
 // No contact, or contacts that fasten.
-const Reason kNoContact = {"no sliding contact in the model; DEA needs one", "there is no contact at all: add one"};
+const Reason kNoContact = {"no sliding contact in the model; DEA needs one", "(Contact section, e.g. type"};
 const Reason kFastened = {"no sliding contact in the model; DEA needs one", "change its type if they are to slide"};
 const Reason kModule = {"module \"fluid-FSI\" is not supported", "DEA reads \"solid\", \"biphasic\""};
 // Nodes that are moved in one component only.

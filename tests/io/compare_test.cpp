@@ -775,7 +775,8 @@ TEST_F(CompareCommand, RegionsInTheWordsOfStudies) {
     const test::Finished f = compare("a.xplt b.xplt --up 0,1,0 --json - --regions " + words);
     EXPECT_EQ(f.code, 0) << f.err;
     std::map<std::string, double> found;
-    for (const Json& region : Json::parse(f.out)["surfaces"][0]["regions"])
+    const Json report = Json::parse(f.out);
+    for (const Json& region : report["surfaces"][0]["regions"])
       found[region["name"].is_null() ? "" : region["name"].get<std::string>()] =
           region["results"][1]["facets"][0]["area"];
     return found;

@@ -932,7 +932,7 @@ TEST_F(Folder, RefusesInOneLine) {
        "--text-as letters: found \"letters\", expected shapes or text"},
       {{"a.xplt", "--text-as", "text"}, 2, "--text-as text: belongs to SVG"},
       {{"a.xplt", "--scale", "some"}, 2, "--scale some: found \"some\", expected all or shown"},
-      {{"a.xplt", "--units", "mm-N"}, 2, "--units mm-N: found \"mm-N\", expected \"mm-N-s\""},
+      {{"a.xplt", "--units", "mm-N"}, 2, "--units mm-N: found \"mm-N\" (did you mean \"mm-N-s\"?), expected \"SI\""},
       {{"a.xplt", "--label", "x", "--label", "y"}, 2, "found 2 labels, expected one per file (1)"},
       {{"a.xplt", "-o", "nowhere/map.png"}, 4, "there is no folder nowhere"},
   };

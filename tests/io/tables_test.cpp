@@ -419,9 +419,9 @@ TEST(Tables, RefusedWithTheirLine) {
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2\n")),
             ":2: found 3 values, expected 4: one for each name in the line of names");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2,much\n")),
-            ":2: column \"fz\": found \"much\", expected a number with a decimal point");
+            ":2: column \"fz\": found \"much\", expected a number with a decimal point, at most 1e30");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2,nan\n")),
-            ":2: column \"fz\": found \"nan\", expected a number with a decimal point");
+            ":2: column \"fz\": found \"nan\", expected a number with a decimal point, at most 1e30");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n1,1,2,3\n1,1,2,3\n")),
             ":3: found time 1 after 1, expected times that rise from row to row");
   EXPECT_EQ(refusal(file("a.csv", "0,1,2,3\n")), ":1: found numbers, expected the names of the columns");
@@ -470,7 +470,7 @@ TEST(Tables, ThicknessPerNodeRefusedWithItsLine) {
   const auto refusal_of = [](const char* text) { return thickness_refusal(file("t.csv", text)); };
   EXPECT_EQ(refusal_of("node,thickness\n7,-1\n"), ":2: found thickness -1, expected a number >= 0");
   EXPECT_EQ(refusal_of("node,thickness\n7,nan\n"),
-            ":2: column \"thickness\": found \"nan\", expected a number with a decimal point");
+            ":2: column \"thickness\": found \"nan\", expected a number with a decimal point, at most 1e30");
   EXPECT_EQ(refusal_of("node,thickness\n7,1\n8,1\n7,2\n"),
             ":4: found thickness 2 of node 7, and 1 in line 2, expected one for each node");
   for (const char* node : {"7.5", "0", "-3", "1e12"})

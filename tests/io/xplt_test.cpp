@@ -428,16 +428,16 @@ TEST(XpltBytes, NoNumberIsInfinite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     XpltFile file = cube();
     file.states[0].variables[1][0].values[0] = bad;
-    EXPECT_THROW(xplt_bytes(file), std::logic_error);
+    EXPECT_THROW(xplt_bytes(file), InputError);
     file = cube();
     file.states[0].time = bad;
     EXPECT_THROW(xplt_bytes(file), std::logic_error);
     file = cube();
     file.meshes[0].coordinates[5] = bad;
-    EXPECT_THROW(xplt_bytes(file), std::logic_error);
+    EXPECT_THROW(xplt_bytes(file), InputError);
     file = everything();
     file.states[1].objects[1].line_ends[3] = bad;
-    EXPECT_THROW(xplt_bytes(file), std::logic_error);
+    EXPECT_THROW(xplt_bytes(file), InputError);
   }
 }
 
