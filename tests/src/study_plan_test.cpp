@@ -102,7 +102,7 @@ TEST(StudyFactor, WhatIsWrongIsSaid) {
       {"a: E={1:0:0.1}", "expected a step of the other sign"},
       {"a: E={0:1000000000:1}", "found 1000000001 values in {0:1000000000:1}, expected at most 10000000"},
       {"a: E={0:1e9:1e-3}", "found 1000000000001 values"},
-      {"a: E={0:1e29:1}", "expected a decimal number of at most 15 digits"},
+      {"a: E={0:1e29:1}", "expected numbers that differ by fewer powers of ten"},
       {"a: E={0:1e18:1e-18}", "expected numbers that differ by fewer powers of ten"},
       {"a: E={0:one:1}", "found \"one\", expected a number"},
       {"a: E={0:nan:1}", "found \"nan\", expected a number"},
