@@ -33,6 +33,7 @@
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
 #include "src/base/time_text.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "src/springs/press.h"
 #include "src/springs/spring_law.h"

@@ -8,6 +8,7 @@
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/results/existing_plot.h"
+#include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "plugin/febio_log.h"
