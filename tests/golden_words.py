@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-dea, source = sys.argv[1], pathlib.Path(sys.argv[2])
+dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 golden = source / "tests/golden_words.txt"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
