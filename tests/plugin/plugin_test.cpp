@@ -48,7 +48,7 @@ double difference(const Json& a, const Json& b) {
   if (!a.is_structured()) return a == b ? 0.0 : 1e300;
   double largest = 0.0;
   for (const auto& item : a.items()) {
-    if (item.key() == "timings") continue;
+    if (item.key() == "timings" || item.key() == "finding_values") continue;  // the same as findings, with places
     if (a.is_object() && !b.contains(item.key())) return 1e300;
     if (item.key() == "findings") {
       if (findings(item.value()) != findings(b.at("findings"))) return 1e300;
@@ -155,6 +155,8 @@ TEST(Plugin, ForeignModelsEndAsWithDeaRun) {
         std::regex_replace(fault, std::regex(R"(instead \([^)]*\))"), "instead (rigid_bc of type rigid_displacement)");
     if (model.parent_path().filename() == "v2.0")
       fault = std::regex_replace(fault, std::regex("found \"Sticky01\""), "found \"contact 1\"");
+    fault = std::regex_replace(fault, std::regex("; found contact \"rigid\", which fastens nodes to a rigid body"),
+                               ", and there is no contact at all: add one, or there is nothing to solve for DEA");
     const std::vector<std::string> errors = errors_of(task.out);
     ASSERT_FALSE(errors.empty());
     EXPECT_EQ(errors.back(), fault);  // the others are FEBio's
