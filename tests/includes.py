@@ -1,5 +1,6 @@
 """Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. Who words
-settings: src has no text with an option of the command line. And who knows POSIX: two files, and the plugin.
+settings: src has no text with an option of the command line. Who reads what a model holds and moves: of src, facts
+alone. And who knows POSIX: two files, and the plugin.
 
 Floors, lowest first. A file includes its own floor and those below; plugin and python never include app, nor each other."""
 import pathlib
@@ -51,6 +52,9 @@ for file in sorted((source / "src").rglob("*.[hc]*")):
     for text in re.findall(r'"(?:[^"\\\n]|\\.)*"', file.read_text()):
         if re.search(r"--[a-z]", text, re.I):
             faults.append(f"{name(file)} says {text}: name the setting (base/sentence.h), each front end words it")
+    if name(file).split("/")[0] not in ("model", "facts"):
+        for found in re.findall(r"\b(?:rigid_fixed|rigid_prescribed|fixed_nodes|prescribed_nodes)\b(?!\.h)", re.sub(r"//.*", "", file.read_text())):
+            faults.append(f"{name(file)} reads {found}: ask src/facts (conditions.h, node_holds.h)")
 seen, stack = {}, []
 
 

@@ -49,6 +49,7 @@ struct StatedStep {
   const std::vector<char>& of_bone;  // per node
   int step;
   bool acts(int of) const { return of < 0 || of == step; }
+  int body_of(int material) const { return material < 0 ? -1 : bodies.of_material[at(material)]; }
 };
 
 /// Per node: is it of elements that the user takes as rigid, and not of a rigid body of the model, whose fixed nodes
@@ -69,7 +70,7 @@ GivenMotion motion_of(const PrescribedNodes& p) { return {p.name, p.origin, -1, 
 void fix_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
   all[at(now.bodies.ground())].dofs.fill({DofState::Held, HeldBy::Body, {}, {}});
   for (const RigidFixed& f : now.model.rigid_fixed) {
-    const int b = now.bodies.of_material[at(f.material)];
+    const int b = now.body_of(f.material);
     if (!now.acts(f.step) || b < 0) continue;
     for (std::size_t k = 0; k < kDofs; ++k) {
       if (!f.dofs[k]) continue;
@@ -83,7 +84,7 @@ void fix_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
 
 void move_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
   for (const RigidPrescribed& p : now.model.rigid_prescribed) {
-    const int b = now.bodies.of_material[at(p.material)];
+    const int b = now.body_of(p.material);
     if (!now.acts(p.step) || b < 0) continue;
     BodyDof& dof = all[at(b)].dofs[at(p.dof)];
     if (dof.by != HeldBy::Body) dof.motions.clear();  // of nodes

@@ -71,20 +71,16 @@ void note_bones(const JointModel& model, const Bodies& bodies, const std::vector
 
 /// Fixed in all three components, by one condition or several: the ground; in fewer it is a symmetry plane.
 void note_ground(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
-                 const std::vector<int>& moved, Holders& holders) {
-  std::vector<std::array<bool, 3>> fixed;
-  for (const FixedNodes& f : model.fixed_nodes) {
-    if (fixed.empty()) fixed.resize(model.nodes.size(), {false, false, false});
-    for (int node : f.nodes)
-      for (std::size_t k = 0; k < 3; ++k) fixed[at(node)][k] = fixed[at(node)][k] || f.xyz[k];
-  }
+                 const NodeHolds& node_holds, const std::vector<int>& moved, Holders& holders) {
   holders.fixed.assign(model.nodes.size(), 0);
   holders.mirror.assign(model.nodes.size(), 0);
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     if (moved[i] >= 0) continue;  // fixed in some components or steps, moved in others
-    if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) {
-      for (std::size_t k = 0; k < 3; ++k)
-        if (fixed[i][k]) holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | (1u << k));
+    unsigned fixed = 0;
+    for (const NodeHold& hold : node_holds.of(static_cast<int>(i)))
+      if (hold.fixed) fixed |= 1u << hold.component;
+    if (fixed != 7u) {
+      holders.mirror[i] = static_cast<unsigned char>(fixed);
       continue;
     }
     if (bodies.of_node[i] >= 0) continue;  // they hold that body, or are FEBio's to ignore
@@ -207,7 +203,8 @@ void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<
 
 /// Where cartilage is rigid with its bone no node is held, and a contact states the planes instead. The few nodes of a
 /// plane that are not held count as held: their neighbours leave them no way.
-void note_planes(const JointModel& model, const std::vector<int>& region, Holders& holders) {
+void note_planes(const JointModel& model, const std::vector<int>& region, const NodeHolds& node_holds,
+                 Holders& holders) {
   holders.same_plane = same_plane(model, region);
   std::vector<SymmetryPlane> stated;
   for (const Contact& c : model.contacts)
@@ -217,7 +214,7 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
     holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | in_stated[i]);
   std::vector<char> on_bone;
   for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
-  holders.ends = find_part_ends(model, region, holders.mirror, on_bone, holders.same_plane);
+  holders.ends = find_part_ends(model, region, node_holds, holders.mirror, on_bone, holders.same_plane);
   for (const PartEnd& end : holders.ends)
     for (const int node : end.forgotten)
       holders.mirror[at(node)] = static_cast<unsigned char>(holders.mirror[at(node)] | (1u << end.plane.axis));
@@ -253,7 +250,7 @@ Findings closing_ties(const JointModel& model, const Holders& holders) {
 }
 
 Findings holds_of_some_steps(const JointModel& model, const Holders& holders, const std::vector<int>& region,
-                             const std::vector<int>& moved) {
+                             const NodeHolds& node_holds, const std::vector<int>& moved) {
   Findings found;
   const auto steps = static_cast<int>(model.steps.size());
   const auto tell = [&](int form, std::vector<NamedValue> what, const std::set<int>& in) {
@@ -267,11 +264,12 @@ Findings holds_of_some_steps(const JointModel& model, const Holders& holders, co
   using Steps = std::set<int>;
   std::map<int, std::array<Steps, 3>> per_node;  // of those held in x, y and z: by component
   std::array<std::map<int, Steps>, 3> in_plane;  // of the others: by component, and node
-  for (const FixedNodes& f : model.fixed_nodes)
-    for (const int node : f.nodes)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (f.xyz[k] && region[at(node)] >= 0 && moved[at(node)] < 0)
-          (holders.fixed[at(node)] ? per_node[node][k] : in_plane[k][node]).insert(f.step);
+  for (int node = 0; node < static_cast<int>(model.nodes.size()); ++node)
+    for (const NodeHold& hold : node_holds.of(node)) {
+      const std::size_t k = at(hold.component);
+      if (hold.fixed && region[at(node)] >= 0 && moved[at(node)] < 0)
+        (holders.fixed[at(node)] ? per_node[node][k] : in_plane[k][node]).insert(hold.step);
+    }
   std::map<std::set<int>, int> fixed;  // steps in which nodes are held -> how many
   for (const auto& entry : per_node) {
     std::set<int> in;
@@ -297,17 +295,17 @@ Findings holds_of_some_steps(const JointModel& model, const Holders& holders, co
 }
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
-                     const std::vector<int>& moved) {
+                     const NodeHolds& node_holds, const std::vector<int>& moved) {
   Holders holders;
   holders.of_node.resize(model.nodes.size());
   note_bones(model, bodies, region, holders);
-  note_ground(model, bodies, region, moved, holders);
+  note_ground(model, bodies, region, node_holds, moved, holders);
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
     if (moved[i] >= 0)
       note_holder(holders, region, static_cast<int>(i), moved[i],
                   fmt::format("nodes moved together by \"{}\"", bodies.bodies[at(moved[i])].name));
   note_ties(model, bodies, region, holders);
-  note_planes(model, region, holders);
+  note_planes(model, region, node_holds, holders);
   return holders;
 }
 

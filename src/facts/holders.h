@@ -7,6 +7,7 @@
 
 #include "src/base/finding.h"
 #include "src/facts/bodies.h"
+#include "src/facts/node_holds.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/model/joint_model.h"
 
@@ -50,13 +51,13 @@ Findings far_ties(const JointModel& model, const Holders& holders);
 /// `region`: per node, -1: in no deformable part, else its part. `moved`: per node, body of nodes that are moved
 /// together, -1: none.
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
-                     const std::vector<int>& moved);
+                     const NodeHolds& node_holds, const std::vector<int>& moved);
 
 /// Ties over gaps or overlaps that FEBio closes and dea does not.
 Findings closing_ties(const JointModel& model, const Holders& holders);
 
 /// Fixed nodes and ties that hold deformable parts in some steps only: they count in all.
 Findings holds_of_some_steps(const JointModel& model, const Holders& holders, const std::vector<int>& region,
-                             const std::vector<int>& moved);
+                             const NodeHolds& node_holds, const std::vector<int>& moved);
 
 }  // namespace dea

@@ -18,6 +18,9 @@ struct MovedNodes {
   std::vector<int> conditions;  ///< indices into JointModel::prescribed_nodes: those of each node
 };
 
+/// Are there nodes whose displacement is prescribed?
+inline bool moves_nodes(const JointModel& model) { return !model.prescribed_nodes.empty(); }
+
 /// Nodes of no body, grouped by their motion in all steps; components that are fixed stay at, or go back to, the
 /// reference. Nodes that are free in a component, or both fixed and moved in one, are no body: one fault per
 /// condition. `body_of_node`: per node, >= 0: a body has it.

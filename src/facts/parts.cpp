@@ -118,15 +118,16 @@ void add_moved_bodies(ModelParts& parts) {
 }  // namespace
 
 ModelParts find_parts(const JointModel& model, const Settings& settings) {
-  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}};
+  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  parts.node_holds = find_node_holds(model);
   parts.faces = find_faces(model, settings);
   parts.layer_domains = find_layer_domains(parts);
   parts.bodies = find_bodies(model, parts.rigid, parts.layer_domains);
   parts.region = find_regions(parts);
   add_moved_bodies(parts);
-  parts.holders = find_holders(model, parts.bodies, parts.region, parts.moved);
+  parts.holders = find_holders(model, parts.bodies, parts.region, parts.node_holds, parts.moved);
   add_once(parts.findings, far_ties(model, parts.holders));
-  add_once(parts.findings, holds_of_some_steps(model, parts.holders, parts.region, parts.moved));
+  add_once(parts.findings, holds_of_some_steps(model, parts.holders, parts.region, parts.node_holds, parts.moved));
   return parts;
 }
 

@@ -8,6 +8,7 @@
 #include "src/base/fault.h"
 #include "src/facts/bodies.h"
 #include "src/facts/holders.h"
+#include "src/facts/node_holds.h"
 #include "src/model/element_faces.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -29,7 +30,8 @@ struct ModelParts {
   Bodies bodies;
   std::vector<int> region;  ///< per node: root node of its deformable part, -1: in no deformable solid element
   FaceMap faces;            ///< element faces all of whose corners are nodes of a contact surface
-  std::vector<int> moved;   ///< per node: body of nodes that are moved together, -1: none
+  NodeHolds node_holds;
+  std::vector<int> moved;  ///< per node: body of nodes that are moved together, -1: none
   Holders holders;
   Findings findings;          ///< what was concluded
   std::vector<Fault> faults;  ///< nodes that are moved otherwise than a bone can be

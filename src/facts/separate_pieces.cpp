@@ -21,10 +21,7 @@ struct Piece {
   bool matters = false;                 ///< the rest of the model has to do with it
   int taken = -1;                       ///< a material of it that the user takes as rigid, -1: none
   std::vector<int> in_model;            ///< materials of it that the model has rigid
-  struct Hold {
-    int node, component, step;
-  };
-  std::vector<Hold> holds;  ///< its nodes that are fixed or prescribed
+  std::vector<int> held;                ///< its nodes that are fixed or prescribed
 };
 
 /// Sets of nodes, and of materials behind them. Those of a material that is rigid in the model are one.
@@ -66,8 +63,8 @@ std::vector<char> nodes_that_matter(const ModelParts& parts) {
     for (const int surface : {c.primary, c.secondary})
       if (surface >= 0) mark(model.surfaces[at(surface)].nodes);
   for (const NodalForce& f : model.nodal_forces) mark(f.nodes);
-  for (const FixedNodes& f : model.fixed_nodes) mark(f.nodes);
-  for (const PrescribedNodes& p : model.prescribed_nodes) mark(p.nodes);
+  for (std::size_t i = 0; i < matters.size(); ++i)
+    if (!parts.node_holds.of(static_cast<int>(i)).empty()) matters[i] = 1;
   for (const RigidNodes& set : model.rigid_nodes) mark(set.nodes);
   for (const DiscreteSet& set : model.discrete_sets)
     for (const auto& [a, b] : set.pairs) matters[at(a)] = matters[at(b)] = 1;
@@ -75,7 +72,8 @@ std::vector<char> nodes_that_matter(const ModelParts& parts) {
 }
 
 /// Do its nodes, or the rigid body that it hangs on, leave it no motion of its own in this step?
-bool is_held(const JointModel& model, const Piece& piece, int step) {
+bool is_held(const ModelParts& parts, const Piece& piece, int step) {
+  const JointModel& model = parts.model;
   const auto acts = [&](int of) { return of < 0 || of == step; };
   std::array<bool, kDofs> dofs = {};
   const auto ours = [&](int material) {
@@ -87,10 +85,13 @@ bool is_held(const JointModel& model, const Piece& piece, int step) {
     if (acts(p.step) && ours(p.material)) dofs[at(p.dof)] = true;
   if (std::all_of(dofs.begin(), dofs.end(), [](bool held) { return held; })) return true;
   double length = 0.0;
-  for (const Piece::Hold& h : piece.holds) length = std::max(length, (model.nodes[at(h.node)] - piece.at_node).norm());
   std::vector<NodeRow> rows;
-  for (const Piece::Hold& h : piece.holds)
-    if (acts(h.step)) rows.push_back({h.component, model.nodes[at(h.node)] - piece.at_node, -1, true});
+  for (const int node : piece.held) {
+    const Vector3d arm = model.nodes[at(node)] - piece.at_node;
+    length = std::max(length, arm.norm());
+    for (const NodeHold& hold : parts.node_holds.of(node))
+      if (hold.acts(step)) rows.push_back({hold.component, arm, -1, true});
+  }
   return span_of(rows, length > 0 ? length : 1.0).conditions == kDofs;
 }
 
@@ -126,21 +127,15 @@ std::vector<Fault> separate_pieces(const ModelParts& parts) {
       piece.matters = piece.matters || std::any_of(nodes, nodes + n, [&](int node) { return matters[at(node)] != 0; });
     }
   }
-  const auto add_holds = [&](const std::vector<int>& nodes, int component, int step) {
-    for (const int node : nodes) {
-      const int body = parts.bodies.of_node[at(node)];
-      if (body < 0) continue;
-      const auto piece = pieces[at(body)].find(sets.root(node));
-      if (piece != pieces[at(body)].end()) piece->second.holds.push_back({node, component, step});
-    }
-  };
-  for (const FixedNodes& f : model.fixed_nodes)
-    for (int k = 0; k < 3; ++k)
-      if (f.xyz[at(k)]) add_holds(f.nodes, k, f.step);
-  for (const PrescribedNodes& p : model.prescribed_nodes) add_holds(p.nodes, p.component, p.step);
+  for (int node = 0; node < static_cast<int>(model.nodes.size()); ++node) {
+    const int body = parts.bodies.of_node[at(node)];
+    if (body < 0 || parts.node_holds.of(node).empty()) continue;
+    const auto piece = pieces[at(body)].find(sets.root(node));
+    if (piece != pieces[at(body)].end()) piece->second.held.push_back(node);
+  }
   const auto stays = [&](const Piece& piece) {
     for (int step = 0; step < static_cast<int>(model.steps.size()); ++step)
-      if (!is_held(model, piece, step)) return false;
+      if (!is_held(parts, piece, step)) return false;
     return true;
   };
   for (std::size_t b = 0; b < pieces.size(); ++b) {

@@ -40,6 +40,7 @@ double facet_size(const JointModel& model, const Surface& surface) {
 struct PlaneSearch {
   const JointModel& model;
   const std::vector<int>& region;
+  const NodeHolds& node_holds;
   const std::vector<unsigned char>& held;
   const std::vector<char>& on_bone;
   double same_plane;
@@ -68,17 +69,14 @@ bool is_held(const PlaneSearch& in, int node, int component) { return (in.held[a
 
 /// Steps in which more than half of an end's nodes are held across it.
 std::vector<int> held_steps(const PlaneSearch& in, const std::vector<int>& nodes, int axis) {
-  std::vector<int> place(in.model.nodes.size(), -1), steps;
-  for (std::size_t i = 0; i < nodes.size(); ++i) place[at(nodes[i])] = static_cast<int>(i);
+  std::vector<int> steps;
   for (int step = 0; step < static_cast<int>(in.model.steps.size()); ++step) {
-    std::vector<char> there(nodes.size(), 0);
-    for (const FixedNodes& f : in.model.fixed_nodes) {
-      if (!f.xyz[at(axis)] || (f.step >= 0 && f.step != step)) continue;
-      for (const int node : f.nodes)
-        if (place[at(node)] >= 0) there[at(place[at(node)])] = 1;
-    }
-    if (2 * std::count(there.begin(), there.end(), 1) > static_cast<std::ptrdiff_t>(nodes.size()))
-      steps.push_back(step);
+    const auto held = std::count_if(nodes.begin(), nodes.end(), [&](int node) {
+      const auto holds = in.node_holds.of(node);
+      return std::any_of(holds.begin(), holds.end(),
+                         [&](const NodeHold& h) { return h.fixed && h.component == axis && h.acts(step); });
+    });
+    if (2 * held > static_cast<std::ptrdiff_t>(nodes.size())) steps.push_back(step);
   }
   return steps;
 }
@@ -201,10 +199,10 @@ double same_plane(const JointModel& model, const std::vector<int>& region) {
 }
 
 std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<int>& region,
-                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
-                                    double same_plane) {
+                                    const NodeHolds& node_holds, const std::vector<unsigned char>& held,
+                                    const std::vector<char>& on_bone, double same_plane) {
   if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
-  const PlaneSearch in = {model, region, held, on_bone, same_plane};
+  const PlaneSearch in = {model, region, node_holds, held, on_bone, same_plane};
   std::vector<PartEnd> found;
   for (const auto& [number, part] : find_all_parts(in)) {
     std::vector<PartEnd> ends = ends_of_part(in, number, part);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/facts/node_holds.h"
 #include "src/model/joint_model.h"
 
 namespace dea {
@@ -26,8 +27,8 @@ struct PartEnd {
 
 /// The ends at which nodes are held. Per node: `region`; `held`, bit k: in component k; `on_bone`: held by one.
 std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<int>& region,
-                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
-                                    double same_plane);
+                                    const NodeHolds& node_holds, const std::vector<unsigned char>& held,
+                                    const std::vector<char>& on_bone, double same_plane);
 
 /// Of one contact: those of the parts that its two surfaces lie on, and those that it states itself. Sorted, each once.
 std::vector<SymmetryPlane> planes_of_contact(const JointModel& model, const Contact& contact,

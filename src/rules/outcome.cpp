@@ -71,13 +71,13 @@ double largest_shown_force(const StateResult& state) {
 
 /// How far bodies are meant to turn [degrees]: the sum of all rotations that the model prescribes, of bodies and in
 /// joints; a body may follow any of them.
-double prescribed_turn(const JointModel& model, const Joint& joint, const Equilibrium& last) {
+double prescribed_turn(const Joint& joint, const Equilibrium& last) {
   double sum = 0.0;
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     const bool prescribed =
-        std::any_of(model.rigid_prescribed.begin(), model.rigid_prescribed.end(), [&](const RigidPrescribed& p) {
-          const auto& own = joint.bodies[b].materials;
-          return p.dof >= 3 && std::find(own.begin(), own.end(), p.material) != own.end();
+        std::any_of(joint.conditions.steps.begin(), joint.conditions.steps.end(), [&](const auto& step) {
+          const auto& dofs = step[b].dofs;
+          return std::any_of(dofs.begin() + 3, dofs.end(), [](const BodyDof& dof) { return !dof.motions.empty(); });
         });
     if (prescribed) sum += Eigen::AngleAxisd(last.poses[b].rotation).angle() * kDegreesPerRadian;
   }
@@ -126,7 +126,6 @@ Findings no_solution(const JointModel&, const Joint&, const SolvedStates& result
       add_state(runs, name(e.outcome), i, outcome_sentence(e));
   return run_findings("no-solution", result, runs);
 }
-
 
 /// States that stand on the brink.
 Findings unstable_balance(const JointModel&, const Joint&, const SolvedStates& result) {
@@ -212,11 +211,11 @@ Findings tiny_load(const JointModel&, const Joint& joint, const SolvedStates& re
 }
 
 /// Bodies that have turned far although nobody wants them to.
-Findings large_turn(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+Findings large_turn(const JointModel&, const Joint& joint, const SolvedStates& result) {
   Findings found;
   const Equilibrium& e = result.states.back().equilibrium;
   if (!solved(e.outcome) || e.outcome == Outcome::Prescribed) return {};
-  const double prescribed = prescribed_turn(model, joint, e);
+  const double prescribed = prescribed_turn(joint, e);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     if (!result.free_to_turn[b]) continue;
     const Eigen::AngleAxisd turn(e.poses[b].rotation * result.start[b].rotation.transpose());

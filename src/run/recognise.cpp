@@ -14,6 +14,7 @@
 #include "src/equilibrium/rows.h"
 #include "src/equilibrium/times.h"
 #include "src/facts/bodies.h"
+#include "src/facts/moved_nodes.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"
 #include "src/model/load_curve.h"
@@ -46,7 +47,7 @@ void try_to(std::vector<Fault>& faults, const Step& step) {
 /// moved.
 std::optional<Fault> no_rigid_body(const JointModel& model, const Settings& settings) {
   const std::vector<char> rigid = rigid_materials(model, settings);
-  if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end() || !model.prescribed_nodes.empty()) return std::nullopt;
+  if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end() || moves_nodes(model)) return std::nullopt;
   std::vector<std::string> names;
   for (const Material& m : model.materials) names.push_back(m.name);
   if (names.size() == 1)  // it is the cartilage's, or there is none

@@ -164,6 +164,8 @@ std::string conditions_text_with(const BodyConditions& c, int by_table, const st
     else if (s == DofState::Prescribed)
       text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
   }
+  if (!c.held_points.empty())
+    text += fmt::format("; fixed nodes couple these, and take {} of them", c.held_points.size());
   const auto add = [&](const char* what, const Vector3d& v) {
     if (v.norm() > 0) text += fmt::format("; {} {}", what, vector_text(v));
   };
