@@ -11,33 +11,33 @@ namespace dea {
 
 namespace {
 
-enum class Type { Float, Double, Int32, Int64 };
+enum class VtkType { Float, Double, Int32, Int64 };
 
-Type type_of(SurfaceText& text, std::string_view word) {
-  if (word == "float") return Type::Float;
-  if (word == "double") return Type::Double;
-  if (word == "int" || word == "vtkIdType") return Type::Int32;
-  if (word == "vtktypeint64" || word == "long") return Type::Int64;
+VtkType vtk_type(SurfaceText& text, std::string_view word) {
+  if (word == "float") return VtkType::Float;
+  if (word == "double") return VtkType::Double;
+  if (word == "int" || word == "vtkIdType") return VtkType::Int32;
+  if (word == "vtktypeint64" || word == "long") return VtkType::Int64;
   text.refuse(fmt::format("found the type \"{}\", expected float, double, int or vtktypeint64", shown(word)));
 }
 
-double next_value(SurfaceText& text, bool binary, Type type) {
+double next_value(SurfaceText& text, bool binary, VtkType type) {
   const char* what = "a number";
   if (!binary) return text.next_number(what);
   switch (type) {
-    case Type::Float:
+    case VtkType::Float:
       return static_cast<double>(text.next_bytes<float>(true, what));
-    case Type::Double:
+    case VtkType::Double:
       return text.next_bytes<double>(true, what);
-    case Type::Int32:
+    case VtkType::Int32:
       return text.next_bytes<std::int32_t>(true, what);
-    case Type::Int64:
+    case VtkType::Int64:
       return static_cast<double>(text.next_bytes<std::int64_t>(true, what));
   }
   return 0;
 }
 
-long long next_whole(SurfaceText& text, bool binary, Type type) {
+long long next_whole(SurfaceText& text, bool binary, VtkType type) {
   if (!binary) return text.next_integer("a point's number");
   const double value = next_value(text, true, type);
   if (!(std::abs(value) < 4e18)) text.refuse(fmt::format("found {}, expected a whole number", value));
@@ -50,7 +50,7 @@ void end_bytes(SurfaceText& text, bool binary) {
 
 void read_points(SurfaceText& text, bool binary, TriangleSurface& surface) {
   const std::size_t count = text.checked_count(text.next_integer("the number of points"), 1, "points");
-  const Type type = type_of(text, text.next_word());
+  const VtkType type = vtk_type(text, text.next_word());
   text.next_line();
   for (std::size_t i = 0; i < count; ++i) {
     Eigen::Vector3d x;
@@ -65,7 +65,7 @@ void read_cells_51(SurfaceText& text, bool binary, long long offsets, long long 
   std::vector<long long> begin, all;
   const auto read = [&](const char* name, long long count, std::vector<long long>& values) {
     if (text.next_word() != name) text.refuse(fmt::format("found another word, expected \"{}\"", name));
-    const Type type = type_of(text, text.next_word());
+    const VtkType type = vtk_type(text, text.next_word());
     text.next_line();
     const std::size_t n = text.checked_count(count, 1, "numbers");
     for (std::size_t i = 0; i < n; ++i) values.push_back(next_whole(text, binary, type));
@@ -87,9 +87,9 @@ void read_cells(SurfaceText& text, bool binary, bool version_5, TriangleSurface*
   if (version_5) return read_cells_51(text, binary, first, second, surface);
   const std::size_t cells = text.checked_count(first, 1, "cells");
   for (std::size_t i = 0; i < cells; ++i) {
-    const std::size_t count = text.checked_count(next_whole(text, binary, Type::Int32), 1, "corners");
+    const std::size_t count = text.checked_count(next_whole(text, binary, VtkType::Int32), 1, "corners");
     std::vector<long long> corners;
-    for (std::size_t k = 0; k < count; ++k) corners.push_back(next_whole(text, binary, Type::Int32));
+    for (std::size_t k = 0; k < count; ++k) corners.push_back(next_whole(text, binary, VtkType::Int32));
     if (surface != nullptr) text.add_polygon(*surface, corners);
   }
   end_bytes(text, binary);

@@ -13,7 +13,7 @@ namespace dea {
 
 namespace {
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
 }  // namespace
 
@@ -24,17 +24,17 @@ std::string_view SurfaceText::next_line() {
   place_ = std::min(end + (both ? 2 : 1), content_.size());
   ++line_;
   std::string_view found = content_.substr(begin, end - begin);
-  while (!found.empty() && is_space(found.front())) found.remove_prefix(1);
-  while (!found.empty() && is_space(found.back())) found.remove_suffix(1);
+  while (!found.empty() && is_blank(found.front())) found.remove_prefix(1);
+  while (!found.empty() && is_blank(found.back())) found.remove_suffix(1);
   return found;
 }
 
 std::string_view SurfaceText::next_word() {
-  for (; place_ < content_.size() && is_space(content_[place_]); ++place_)
+  for (; place_ < content_.size() && is_blank(content_[place_]); ++place_)
     line_ += content_[place_] == '\n' ||
              (content_[place_] == '\r' && !(place_ + 1 < content_.size() && content_[place_ + 1] == '\n'));
   const std::size_t begin = place_;
-  while (place_ < content_.size() && !is_space(content_[place_])) ++place_;
+  while (place_ < content_.size() && !is_blank(content_[place_])) ++place_;
   return content_.substr(begin, place_ - begin);
 }
 

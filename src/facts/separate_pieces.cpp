@@ -15,7 +15,7 @@ namespace dea {
 namespace {
 
 /// Elements of rigid materials that nodes, rigid bodies of the model or ties join.
-struct Piece {
+struct LoosePiece {
   int elements = 0;
   Vector3d at_node = Vector3d::Zero();  ///< one of its nodes, for words
   bool matters = false;                 ///< the rest of the model has to do with it
@@ -72,7 +72,7 @@ std::vector<char> nodes_that_matter(const ModelParts& parts) {
 }
 
 /// Do its nodes, or the rigid body that it hangs on, leave it no motion of its own in this step?
-bool is_held(const ModelParts& parts, const Piece& piece, int step) {
+bool is_held(const ModelParts& parts, const LoosePiece& piece, int step) {
   const JointModel& model = parts.model;
   const auto acts = [&](int of) { return of < 0 || of == step; };
   std::array<bool, kDofs> dofs = {};
@@ -112,13 +112,13 @@ std::vector<Fault> separate_pieces(const ModelParts& parts) {
   if (parts.settings.rigid.empty()) return faults;
   DisjointSets sets = joined_nodes(parts);
   const std::vector<char> matters = nodes_that_matter(parts);
-  std::vector<std::map<int, Piece>> pieces(parts.bodies.bodies.size());
+  std::vector<std::map<int, LoosePiece>> pieces(parts.bodies.bodies.size());
   for (const Domain& d : model.domains) {
     if (d.material < 0 || !parts.rigid[at(d.material)] || is_line(d.shape)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
       const int* nodes = d.nodes.data() + e * at(n);
-      Piece& piece = pieces[at(parts.bodies.of_material[at(d.material)])][sets.root(nodes[0])];
+      LoosePiece& piece = pieces[at(parts.bodies.of_material[at(d.material)])][sets.root(nodes[0])];
       if (piece.elements++ == 0) piece.at_node = model.nodes[at(nodes[0])];
       if (by_user(d.material))
         piece.taken = d.material;
@@ -133,13 +133,13 @@ std::vector<Fault> separate_pieces(const ModelParts& parts) {
     const auto piece = pieces[at(body)].find(sets.root(node));
     if (piece != pieces[at(body)].end()) piece->second.held.push_back(node);
   }
-  const auto stays = [&](const Piece& piece) {
+  const auto stays = [&](const LoosePiece& piece) {
     for (int step = 0; step < static_cast<int>(model.steps.size()); ++step)
       if (!is_held(parts, piece, step)) return false;
     return true;
   };
   for (std::size_t b = 0; b < pieces.size(); ++b) {
-    std::vector<const Piece*> apart;
+    std::vector<const LoosePiece*> apart;
     int taken = -1;
     for (const auto& entry : pieces[b]) {
       if (!entry.second.matters) continue;
@@ -147,7 +147,7 @@ std::vector<Fault> separate_pieces(const ModelParts& parts) {
       if (entry.second.taken >= 0) taken = entry.second.taken;
     }
     if (apart.size() < 2 || taken < 0 || is_told(parts, static_cast<int>(b)) ||
-        std::all_of(apart.begin(), apart.end(), [&](const Piece* piece) { return stays(*piece); }))
+        std::all_of(apart.begin(), apart.end(), [&](const LoosePiece* piece) { return stays(*piece); }))
       continue;
     std::string list;
     for (std::size_t i = 0; i < std::min<std::size_t>(apart.size(), 3); ++i)

@@ -10,7 +10,7 @@ namespace dea {
 namespace {
 
 // Cartilage, menisci and discs lie between 0.1 and 100 MPa, joints between a finger's and a hip's; wide bounds beyond.
-constexpr double kLeastModulus = 1e-3, kMostModulus = 2e3;  // MPa
+constexpr double kLeastUsual = 1e-3, kMostUsual = 2e3;  // MPa
 constexpr double kLeastSize = 5e-4, kMostSize = 1.0;        // m, radius of gyration of an articular surface
 // Without units: cartilage in Pa has more than 1e5, in kPa and MPa less; a joint in mm is larger than 2, in m smaller
 // than 0.1. Numbers between are those of blocks of size 1, which are no joint's.
@@ -47,7 +47,7 @@ Findings odd_together(const std::string& surface, const Layer& layer, double siz
 
 std::optional<double> odd_modulus(double E, const UnitNames& units) {
   const double megapascals = 1e-6 * units.newtons / (units.metres * units.metres) * E;
-  if (!(units.metres > 0) || (megapascals <= kMostModulus && megapascals >= kLeastModulus)) return std::nullopt;
+  if (!(units.metres > 0) || (megapascals <= kMostUsual && megapascals >= kLeastUsual)) return std::nullopt;
   return megapascals;
 }
 
