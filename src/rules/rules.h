@@ -49,7 +49,7 @@ Severity severity(const Finding& finding);
 std::string worded(const Finding& finding, const Wording& wording = plain_wording());
 /// The same behind the severity and the place: "warning: contact "hip": ...", "ignored: hip.feb:12: ...".
 std::string line(const Finding& finding, const Wording& wording = plain_wording());
-/// Each once.
+/// Of all of them.
 std::vector<std::string> lines(const Findings& findings, const Wording& wording = plain_wording());
 
 /// The same with the code behind each: "... [narrow-contact]", for a terminal or a log.
