@@ -34,7 +34,8 @@ struct Rule {
   Findings (*of_model)(const JointModel&, const Joint&) = nullptr;  ///< looks at the joint
   Findings (*of_result)(const JointModel&, const Joint&,
                         const SolvedStates&) = nullptr;  ///< looks at what was solved;
-                                                         ///  neither: recognition tells it as it goes (Joint::findings)
+                                                         ///  neither: recognition (Joint::findings) or a rule
+                                                         ///  above tells it
 };
 
 /// All rules, in the order in which they are told: first those that may cost most.
