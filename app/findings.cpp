@@ -64,9 +64,10 @@ void tell_quietly(const Analysis& result) {
   Findings findings = result.idle;
   for (const char* code : {"no-solution", "nothing-loads"}) add_once(findings, of_code(result.findings, code));
   for (const std::string& line : coded_lines(findings, command_line_wording())) log(line);
+  if (all_solved(result)) return;
   const auto unsolved = std::count_if(result.states.begin(), result.states.end(),
                                       [](const StateResult& s) { return !solved(s.equilibrium.outcome); });
-  if (unsolved > 0) log(fmt::format("warning: no solution in {} of {} states", unsolved, result.states.size()));
+  log(fmt::format("warning: no solution in {} of {} states", unsolved, result.states.size()));
 }
 
 bool refused_codes(const std::vector<std::string>& codes, const FindingsArguments& a) {

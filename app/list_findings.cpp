@@ -28,8 +28,16 @@ std::string plain_template(const std::string& words) {
   return text;
 }
 
+/// "warning"; "warning or note", where the words of some forms are one and of others the other.
+std::string severities(const Rule& rule) {
+  std::string all = name(rule.words.front().severity);
+  for (const Words& words : rule.words)
+    if (all.find(name(words.severity)) == std::string::npos) all += fmt::format(" or {}", name(words.severity));
+  return all;
+}
+
 std::string rule_row(const Rule& rule) {
-  return fmt::format("| `{}` | {}{} | {} | {} |\n", rule.code, name(rule.words.front().severity),
+  return fmt::format("| `{}` | {}{} | {} | {} |\n", rule.code, severities(rule),
                      rule.quiet ? ", not on the terminal" : "", rule.acts, plain_template(rule.words.front().text));
 }
 
@@ -40,7 +48,7 @@ what to do, and the words. With a code, the row of that one.
 Examples:
   dea findings narrow-contact
   dea run hip.feb --error-on narrow-contact
-  dea run hip.feb --quiet rim-bevelled)";
+  dea run hip.feb --quiet facets-left-out)";
 
 }  // namespace
 

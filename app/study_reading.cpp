@@ -126,7 +126,8 @@ int read_study(const StudyArguments& a, const std::string& path) {
   if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
   const std::string failed = failed_line(path, head);
   if (!failed.empty()) log(failed);
-  return failed.empty() ? kSolved : kNoSolution;
+  const bool refused = refused_codes(warned_codes(path), a.findings);
+  return failed.empty() && !refused ? kSolved : kNoSolution;
 }
 
 int merge_shards(const StudyArguments& a) {

@@ -398,7 +398,7 @@ void FEDeaContact::build() {
   bed->maps = dea::make_field_maps(model, bed->joint);
   std::string text = fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName());
   for (const std::string& line : dea::coded_lines(dea::model_findings(model, bed->joint), dea::febio_wording()))
-    text += fmt::format("  {}\n", line);
+    text += fmt::format("  {}\n", dea::message_line(line));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,

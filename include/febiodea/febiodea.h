@@ -3,6 +3,7 @@
 // * read_feb: file -> JointModel (io/feb/read_feb.h)
 // * recognise: JointModel, Settings -> Recognition (run/recognise.h)
 // * analyse: Recognition -> Analysis (run/analysis.h)
+// * Analysis::findings: what is to be known of it; severity, worded: Finding -> warning or note, text (rules/rules.h)
 // * make_plot_file: Recognition, Analysis -> XpltFile (io/results/plot_file.h)
 // * write_xplt, read_xplt (io/xplt/xplt.h)
 //
@@ -29,6 +30,7 @@
 #include "src/model/settings.h"
 #include "src/results/fields.h"
 #include "src/results/statistics.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "src/run/check.h"
 #include "src/run/convergence.h"

@@ -58,13 +58,6 @@ void sort_places(StudyRows& rows) {
 
 }  // namespace
 
-std::size_t count_study_rows(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    Statement count(d, "SELECT (SELECT count(*) FROM statistics) + (SELECT count(*) FROM parts)");
-    return static_cast<std::size_t>(count.step() ? count.integer(0) : 0);
-  });
-}
-
 std::vector<StudyState> read_states(const std::string& path) {
   return reading(path, [](const Database& d) {
     std::vector<StudyState> states;

@@ -8,9 +8,6 @@
 
 namespace dea {
 
-/// Rows of the table `statistics` and of `parts`; what a page or a statistic over all cases has to read.
-std::size_t count_study_rows(const std::string& path);
-
 /// One state of a case.
 struct StudyState {
   std::int64_t case_id = 0;  ///< from 1

@@ -179,7 +179,7 @@ Findings shear_at_edge(const JointModel& model, const Joint& joint, const Solved
 Findings uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
   const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
-  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const UnevenNeighbour* worst = nullptr;
     const StateResult* when = nullptr;
     for (const StateResult& state : result.states) {

@@ -1,4 +1,4 @@
-// src/run/idle_loads.h – loads that move nothing: the body is not free to go their way.
+// src/rules/idle_loads.h – loads that move nothing: the body is not free to go their way.
 #pragma once
 #include <array>
 #include <string>

@@ -1,4 +1,4 @@
-// src/run/idle_settings.h – settings that nothing uses.
+// src/rules/idle_settings.h – settings that nothing uses.
 #pragma once
 #include "src/base/finding.h"
 #include "src/joint/joint.h"

@@ -47,7 +47,7 @@ Findings drained_cartilage(const JointModel& model, const Joint& joint) {
 Findings large_strains(const JointModel&, const Joint& joint, const SolvedStates& result) {
   constexpr double kLarge = 0.5;
   Findings found;
-  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const StateResult* worst = most_strained(result, c);
     if (worst == nullptr || !(worst->statistics[c].largest_strain > kLarge)) continue;
     found.push_back({"large-strain",
@@ -61,7 +61,7 @@ Findings large_strains(const JointModel&, const Joint& joint, const SolvedStates
 Findings softening_material(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kSmall = 0.03;
   Findings found;
-  for (std::size_t c = 0; c < joint.contacts.size() && !parted(joint, result.states.back()); ++c) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const StateResult* worst = most_strained(result, c);
     if (worst == nullptr || !(worst->statistics[c].largest_strain > kSmall)) continue;
     for (const Layer& layer : joint.contacts[c].layers)

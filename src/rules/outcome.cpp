@@ -236,11 +236,15 @@ Findings large_turn(const JointModel&, const Joint& joint, const SolvedStates& r
   return found;
 }
 
-/// Bodies that have to travel as far as their surfaces are large before they meet: placed wrongly, as a rule.
+/// Bodies that have to travel as far as their surfaces are large before they meet: placed wrongly, as a rule. How far
+/// the motions that are given carry a body with them is no travel of its own: the patella follows the femur.
 Findings far_travel(const JointModel&, const Joint& joint, const SolvedStates& result) {
-  const StateResult& last = result.states.back();
+  const auto first = std::find_if(result.states.begin(), result.states.end(), [](const StateResult& s) {
+    return solved(s.equilibrium.outcome) && s.equilibrium.outcome != Outcome::Prescribed;
+  });
+  if (first == result.states.end()) return {};
+  const std::vector<Pose>& poses = first->equilibrium.poses;
   Findings found;
-  if (!solved(last.equilibrium.outcome) || last.equilibrium.outcome == Outcome::Prescribed) return {};
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     if (b >= result.free_to_move.size() || !result.free_to_move[b]) continue;
     double size = 0.0;  // of its largest surface
@@ -248,10 +252,17 @@ Findings far_travel(const JointModel&, const Joint& joint, const SolvedStates& r
       for (const Layer& layer : pair.layers)
         if (layer.body == static_cast<int>(b))
           size = std::max(size, surface_extent(layer.articular).radius_of_gyration);
-    const double way = (last.equilibrium.poses[b].center - result.start[b].center).norm();
-    if (size > 0 && way > size)
+    const Vector3d begin = result.start[b].center;
+    double carried = 0.0;
+    for (std::size_t other = 0; other < poses.size(); ++other) {
+      if (result.free_to_move[other]) continue;
+      const Eigen::Matrix3d turn = poses[other].rotation * result.start[other].rotation.transpose();
+      carried += (poses[other].center + turn * (begin - result.start[other].center) - begin).norm();
+    }
+    const double way = (poses[b].center - begin).norm();
+    if (size > 0 && way > size + carried)
       found.push_back({"far-travel",
-                       {.body = joint.bodies[b].name, .time = last.when.time},
+                       {.body = joint.bodies[b].name, .time = first->when.time},
                        {{"way", way}, {"size", size}, {"move", NamedSetting{"move", joint.bodies[b].name, "x,y,z"}}}});
   }
   return found;

@@ -34,7 +34,8 @@ struct Rule {
   Findings (*of_model)(const JointModel&, const Joint&) = nullptr;  ///< looks at the joint
   Findings (*of_result)(const JointModel&, const Joint&,
                         const SolvedStates&) = nullptr;  ///< looks at what was solved;
-                                                         ///  neither: recognition tells it as it goes (Joint::findings)
+                                                         ///  neither: recognition (Joint::findings) or a rule
+                                                         ///  above tells it
 };
 
 /// All rules, in the order in which they are told: first those that may cost most.
@@ -49,7 +50,7 @@ Severity severity(const Finding& finding);
 std::string worded(const Finding& finding, const Wording& wording = plain_wording());
 /// The same behind the severity and the place: "warning: contact "hip": ...", "ignored: hip.feb:12: ...".
 std::string line(const Finding& finding, const Wording& wording = plain_wording());
-/// Each once.
+/// Of all of them.
 std::vector<std::string> lines(const Findings& findings, const Wording& wording = plain_wording());
 
 /// The same with the code behind each: "... [narrow-contact]", for a terminal or a log.

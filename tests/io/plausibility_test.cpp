@@ -1,18 +1,18 @@
 // What is told of numbers that no joint has: one line each, and none for joints.
-#include "io/settings/setting_words.h"
-#include "src/rules/rules.h"
-#include "tests/findings.h"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "io/feb/read_feb.h"
+#include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"
+#include "src/run/states.h"
+#include "tests/findings.h"
 #include "tests/src/test_models.h"
 
 namespace dea::plausibility_test {
@@ -290,6 +290,37 @@ TEST(Plausibility, ALoadThatIsNextToNothingIsTold) {
   };
   EXPECT_TRUE(has(lines(5e-5), "are next to nothing for this cartilage (5e-05 of its modulus times its area)"));
   EXPECT_FALSE(has(lines(1e-3), "next to nothing"));
+}
+
+/// A plate that its load brings down by 30 to a layer of 10 x 10 is told; one that rests on it and goes down by 30 with
+/// its base is not. Unloaded at the end, the layer was pressed all the same.
+TEST(Plausibility, ABodyThatTravelsFarBeforeItTouchesIsTold) {
+  const auto codes = [](double gap, double lift, double last_load) {
+    JointModel model = test::flat_plates(8, 10, 2, gap);
+    model.rigid_fixed.clear();
+    test::fix(model, 1, {true, true, false, true, true, true});
+    test::prescribe(model, 1, 2, lift);
+    test::fix(model, 2, {true, true, false, true, true, true});
+    Settings settings = test::linear();
+    settings.skip_steps = true;
+    settings.loads.body = "plate";
+    settings.loads.time = {0, 1};
+    settings.loads.load.assign(2, Vector6::Zero());
+    settings.loads.load[0][2] = -60 * confined_modulus(model.materials[0].E, model.materials[0].nu);
+    settings.loads.load[1][2] = last_load * settings.loads.load[0][2];
+    AnalysisOptions options;
+    options.times = row_states(model, settings, parse_states("all"), "").times;
+    std::vector<std::string> found;
+    for (const Finding& f : test::findings_of(model, analyse(model, settings, options))) found.push_back(f.code);
+    return found;
+  };
+  const auto holds = [](const std::vector<std::string>& found, const char* code) {
+    return std::count(found.begin(), found.end(), code) == 1;
+  };
+  EXPECT_TRUE(holds(codes(30.0, 0.0, 1.0), "far-travel"));
+  EXPECT_FALSE(holds(codes(0.0, -30.0, 1.0), "far-travel"));
+  EXPECT_TRUE(holds(codes(0.0, 0.0, 1.0), "large-strain"));
+  EXPECT_TRUE(holds(codes(0.0, 0.0, 0.0), "large-strain"));
 }
 
 /// In a socket springs press each other too: their sum is no force that anyone knows. What is told is what the tables

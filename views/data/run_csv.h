@@ -6,9 +6,9 @@
 
 namespace dea {
 
-/// One line per wanted state and contact, under a line of names. `warnings`: what is to be known of all, in the first
-/// line's last cell alone.
-std::string run_csv(const Analysis& analysis, const std::string& warnings);
+/// One line per wanted state and contact, under a line of names. The words of all warnings stand in the first line
+/// alone; each line has the codes of those that are of its contact, or of none.
+std::string run_csv(const Analysis& analysis);
 
 /// One line per wanted state, contact and compartment, under a line of names; contacts of surfaces in one piece have
 /// none.
