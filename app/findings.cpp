@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/options.h"
 #include "io/settings/setting_words.h"
@@ -90,7 +91,10 @@ bool tell_refused(const Findings& findings, const FindingsArguments& a) {
 std::vector<std::string> with_joined_codes(const std::vector<std::string>& words) {
   std::vector<std::string> joined;
   for (const std::string& word : words) {
-    if (!joined.empty() && joined.back() == "--quiet" && find_rule(word) != nullptr)
+    std::error_code unknown;
+    const bool code = !word.empty() && word[0] != '-' && word.find('.') == std::string::npos &&
+                      !std::filesystem::exists(word, unknown);
+    if (!joined.empty() && joined.back() == "--quiet" && code)
       joined.back() += "=" + word;
     else
       joined.push_back(word);

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLongestName = 240;  // bytes: file systems have room for 255
+constexpr std::size_t kLongestFileName = 240;  // bytes: file systems have room for 255
 
 /// Where an output's lock lies; empty: it needs none.
 fs::path lock_path(const std::string& output) {
@@ -30,7 +30,7 @@ fs::path lock_path(const std::string& output) {
   if (!target.has_filename()) target = target.parent_path();                                       // "results/"
   std::string name = target.filename().string();
   if (name.empty() || name == "." || name == "..") return {};
-  name.resize(std::min(name.size(), kLongestName));
+  name.resize(std::min(name.size(), kLongestFileName));
   return target.parent_path() / fmt::format(".{}.lock", name);
 }
 

@@ -51,12 +51,6 @@ struct Finding {
 using Findings = std::vector<Finding>;
 
 /// Adds those that are not there yet.
-inline void add_once(Findings& findings, const Findings& more) {
-  for (const Finding& one : more) {
-    bool known = false;
-    for (const Finding& f : findings) known = known || f == one;
-    if (!known) findings.push_back(one);
-  }
-}
+void add_once(Findings& findings, const Findings& more);
 
 }  // namespace dea
