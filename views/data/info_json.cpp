@@ -2,7 +2,9 @@
 
 #include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
+#include "src/rules/rules.h"
 #include "src/version.h"
+#include "views/data/finding_json.h"
 #include "views/data/run_json.h"
 #include "views/text/info_words.h"
 #include "views/text/run_text.h"

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
 #include "src/model/settings_table.h"
-#include "src/rules/rules.h"
 #include "src/results/contact_numbers.h"
+#include "src/rules/rules.h"
 #include "src/version.h"
+#include "views/data/finding_json.h"
 #include "views/text/run_text.h"
 
 namespace dea {

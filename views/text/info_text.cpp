@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/settings/setting_words.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
