@@ -4,8 +4,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/facts/bodies.h"
 #include "src/facts/holders.h"
 #include "src/facts/node_holds.h"
