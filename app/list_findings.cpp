@@ -11,23 +11,6 @@ namespace dea {
 
 namespace {
 
-/// A rule's words without what only the program reads: {name:.3g} as <name>, {n?is|are} as "are".
-std::string plain_template(const std::string& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i] != '{') {
-      text += words[i];
-      continue;
-    }
-    const std::size_t end = words.find('}', i);
-    const std::string slot = words.substr(i + 1, end - i - 1);
-    const std::size_t bar = slot.find('|');
-    text += bar == std::string::npos ? "<" + slot.substr(0, slot.find(':')) + ">" : slot.substr(bar + 1);
-    i = end;
-  }
-  return text;
-}
-
 /// "warning"; "warning or note", where the words of some forms are one and of others the other.
 std::string severities(const Rule& rule) {
   std::string all = name(rule.words.front().severity);
@@ -38,7 +21,7 @@ std::string severities(const Rule& rule) {
 
 std::string rule_row(const Rule& rule) {
   return fmt::format("| `{}` | {}{} | {} | {} |\n", rule.code, severities(rule),
-                     rule.quiet ? ", not on the terminal" : "", rule.acts, plain_template(rule.words.front().text));
+                     rule.quiet ? ", not on the terminal" : "", rule.acts, template_text(rule.words.front()));
 }
 
 constexpr const char* kFindingsFooter = R"(

@@ -6,16 +6,19 @@
 
 namespace dea {
 
-std::string where(const JointModel& model, Origin origin) {
+std::string place_of(const JointModel& model, Origin origin) {
   if (origin.file < 0 || origin.file >= static_cast<int>(model.files.size())) return {};
   const std::string& file = model.files[static_cast<std::size_t>(origin.file)];
-  return origin.line > 0 ? fmt::format("{}:{}: ", file, origin.line) : fmt::format("{}: ", file);
+  return origin.line > 0 ? fmt::format("{}:{}", file, origin.line) : file;
+}
+
+std::string where(const JointModel& model, Origin origin) {
+  const std::string place = place_of(model, origin);
+  return place.empty() ? place : place + ": ";
 }
 
 Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentence expected) {
-  std::string place = where(model, origin);
-  if (!place.empty()) place.resize(place.size() - 2);
-  return {.place = std::move(place), .found = std::move(found), .expected = std::move(expected)};
+  return {.place = place_of(model, origin), .found = std::move(found), .expected = std::move(expected)};
 }
 
 InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sentence expected) {

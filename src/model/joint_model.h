@@ -376,7 +376,9 @@ struct JointModel {
   std::vector<Remark> unsupported;  ///< changes the mechanics and cannot be taken into account: refused by `dea run`
 };
 
-/// "hip.feb:214: " or "hip.feb: " when the line is unknown.
+/// "hip.feb:214", or "hip.feb" when the line is unknown.
+std::string place_of(const JointModel& model, Origin origin);
+/// The same before a message: "hip.feb:214: ".
 std::string where(const JointModel& model, Origin origin);
 /// A fault at a place of a model that has been read. `found` ends in the mark that leads to `expected`.
 Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentence expected = {});

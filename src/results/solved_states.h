@@ -1,5 +1,6 @@
 // src/results/solved_states.h – what was solved of one joint under one set of loads.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "src/base/finding.h"
@@ -28,13 +29,16 @@ struct SolvedStates {
   Findings idle;                    ///< settings and loads that have no effect (rules/idle_loads.h)
 };
 
-/// Every state is a solution. One on the way that nothing loads does no harm; as the last one it is no answer.
+/// Is it an answer? Of the result's states: one on the way that nothing loads does no harm, as the last it is none.
+inline bool is_answer(const SolvedStates& result, const StateResult& state) {
+  const Outcome outcome = state.equilibrium.outcome;
+  return solved(outcome) || (outcome == Outcome::NoContact && &state != &result.states.back());
+}
+
+/// Every state is an answer.
 inline bool all_solved(const SolvedStates& result) {
-  for (const StateResult& state : result.states) {
-    const bool on_the_way = state.equilibrium.outcome == Outcome::NoContact && &state != &result.states.back();
-    if (!solved(state.equilibrium.outcome) && !on_the_way) return false;
-  }
-  return true;
+  return std::all_of(result.states.begin(), result.states.end(),
+                     [&](const StateResult& state) { return is_answer(result, state); });
 }
 
 }  // namespace dea

@@ -32,7 +32,7 @@ double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
   for (int t = 0; t < mesh.size(); ++t) {
     const double p = pressure[at(mesh.facet[at(t)])];
     if (!(p > 0)) continue;
-    pressed.emplace_back((mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3, p * mesh.areas[at(t)]);
+    pressed.emplace_back(mesh.centroid(t), p * mesh.areas[at(t)]);
     box.extend(pressed.back().first);
     all += pressed.back().second;
   }
@@ -70,18 +70,16 @@ double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactF
 /// Contact that runs over a free edge: half of a condyle over a plateau's rim had 25 % too little force.
 Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kSome = 0.1;
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (int side = 0; side < 2; ++side) {
-      const ContactPair& pair = joint.contacts[c];
+      const ContactPair& pair = c.pair;
       const Layer& layer = pair.layers[side];
-      const std::vector<double>& pressure = state->fields[c].sides[side].pressure;
+      const std::vector<double>& pressure = c.fields.sides[side].pressure;
       if (layer.rigid || pressure.empty()) continue;
       const double share = share_at_edges(layer, pressure);
       if (!(share > kSome)) continue;
-      Subject subject = at_state(pair, *state);
-      subject.surface = model.surfaces[at(layer.surface)].name;
+      const Subject subject = c.subject(model, layer);
       found.push_back({"force-at-edge", subject, {{"percent", 100 * share}, {"thickness", layer.mean_thickness()}}});
     }
   return found;
@@ -89,16 +87,13 @@ Findings force_at_edge(const JointModel& model, const Joint& joint, const Solved
 
 /// Selections that end under pressure though the cartilage goes on.
 Findings pressed_selection(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (int side = 0; side < 2; ++side) {
-      const Layer& layer = joint.contacts[c].layers[side];
-      const double length =
-          pressed_end_of_selection(layer, state->fields[c].sides[side].pressure, kFelt * state->statistics[c].peak);
+      const Layer& layer = c.pair.layers[side];
+      const double length = pressed_end_of_selection(layer, c.fields.sides[side].pressure, kFelt * c.statistics.peak);
       if (!(length > 2 * layer.facet_size() * layer.mean_thickness())) continue;
-      Subject subject = at_state(joint.contacts[c], *state);
-      subject.surface = model.surfaces[at(layer.surface)].name;
+      const Subject subject = c.subject(model, layer);
       found.push_back({"selection-ends-under-pressure", subject, {{"length", length}}});
     }
   return found;
@@ -106,18 +101,16 @@ Findings pressed_selection(const JointModel& model, const Joint& joint, const So
 
 /// Bare surfaces that end under pressure though the cartilage goes on.
 Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (int side = 0; side < 2; ++side) {
-      const ContactPair& pair = joint.contacts[c];
+      const ContactPair& pair = c.pair;
       const Layer &layer = pair.layers[side], &partner = pair.layers[1 - side];
       if (!layer.rigid || layer.bare_rim.empty()) continue;
-      const PressedRim& rim = state->statistics[c].pressed_rim[side];
+      const PressedRim& rim = c.statistics.pressed_rim[side];
       const double length = rim.selection + rim.mesh, facet = partner.facet_size() * partner.mean_thickness();
       if (!(length > 0) || !(length > facet)) continue;
-      Subject subject = at_state(pair, *state);
-      subject.surface = model.surfaces[at(layer.surface)].name;
+      const Subject subject = c.subject(model, layer);
       found.push_back({"bare-surface-ends-under-pressure",
                        subject,
                        {{"length", length},
@@ -134,14 +127,13 @@ Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const Sol
 /// Half a joint whose cut is not held: both surfaces end in one plane under pressure, and not in another one opposite,
 /// as two plates of one size do.
 Findings cut_face(const JointModel&, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const ContactPair& pair = c.pair;
     std::vector<std::pair<SharedEnd, double>> pressed;
     for (const SharedEnd& end : shared_ends(pair)) {
-      const double most = pressure_at(end, pair, state->fields[c]);
-      if (most > kFelt * state->statistics[c].peak) pressed.push_back({end, most});
+      const double most = pressure_at(end, pair, c.fields);
+      if (most > kFelt * c.statistics.peak) pressed.push_back({end, most});
     }
     for (const auto& [end, most] : pressed) {
       const int axis = end.plane.axis;
@@ -150,7 +142,7 @@ Findings cut_face(const JointModel&, const Joint& joint, const SolvedStates& res
       if (end.symmetry || ends > 1) continue;
       found.push_back(
           {"cut-under-pressure",
-           at_state(pair, *state),
+           c.subject(),
            {{"plane", in_words(std::vector<SymmetryPlane>{end.plane})}, {"pressure", most}, {"axis", "xyz"[axis]}}});
     }
   }
@@ -159,16 +151,14 @@ Findings cut_face(const JointModel&, const Joint& joint, const SolvedStates& res
 
 /// Layers whose greatest shear is where the law of the inside knows least.
 Findings shear_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (const int side : {0, 1}) {
-      const ContactPair& pair = joint.contacts[c];
-      const std::optional<InsideEnds>& inside = state->statistics[c].inside[side];
+      const ContactPair& pair = c.pair;
+      const std::optional<InsideEnds>& inside = c.statistics.inside[side];
       if (!inside || !inside->peak_near_free_edge) continue;
       const Layer& layer = side == 0 ? pair.source_layer() : pair.target_layer();
-      Subject subject = at_state(pair, *state);
-      subject.surface = model.surfaces[at(layer.surface)].name;
+      Subject subject = c.subject(model, layer);
       subject.body = joint.bodies[at(layer.body)].name;
       found.push_back({"shear-at-edge", subject, {{"near", kNearEdge}}});
     }
@@ -190,8 +180,8 @@ Findings uneven_neighbours(const JointModel& model, const Joint& joint, const So
       when = &state;
     }
     if (worst == nullptr) continue;
-    Subject subject = at_state(joint.contacts[c], *when);
-    subject.surface = model.surfaces[at(worst->surface)].name;
+    const Subject subject = {
+        .contact = joint.contacts[c].name, .surface = model.surfaces[at(worst->surface)].name, .time = when->when.time};
     found.push_back(
         {"uneven-neighbours",
          subject,

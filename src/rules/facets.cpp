@@ -65,18 +65,16 @@ Findings long_facets(const JointModel& model, const Joint& joint) {
 }
 
 Findings few_springs(const JointModel&, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
-    const int active = state->statistics[c].springs_active;
-    if (active < 20 && state->fields[c].sides[1 - pair.source].contact_area > 0)
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const ContactPair& pair = c.pair;
+    const int active = c.statistics.springs_active;
+    if (active < 20 && c.fields.sides[1 - pair.source].contact_area > 0)
       found.push_back({"few-springs",
-                       at_state(pair, *state),
+                       c.subject(),
                        {{"springs", active}, {"refine", NamedSetting{"refine"}}, {"source", NamedSetting{"source"}}}});
     else if (active < 60 && active > 0 && pair.law == Law::Layer)
-      found.push_back(
-          {"few-springs", at_state(pair, *state), {{"springs", active}, {"refine", twice_as_fine(pair)}}, 1});
+      found.push_back({"few-springs", c.subject(), {{"springs", active}, {"refine", twice_as_fine(pair)}}, 1});
   }
   return found;
 }
@@ -84,15 +82,13 @@ Findings few_springs(const JointModel&, const Joint& joint, const SolvedStates& 
 /// A force that rests on a handful of springs though more are pressed: the map is one of the mesh.
 Findings crowded_force(const JointModel&, const Joint& joint, const SolvedStates& result) {
   constexpr int kHandful = 8;
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
-    const ContactStatistics& s = state->statistics[c];
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const ContactStatistics& s = c.statistics;
     if (s.springs_active < 20 || s.springs_most >= kHandful) continue;  // fewer: few_springs
-    found.push_back(
-        {"crowded-force",
-         at_state(joint.contacts[c], *state),
-         {{"most", s.springs_most}, {"springs", s.springs_active}, {"refine", twice_as_fine(joint.contacts[c])}}});
+    found.push_back({"crowded-force",
+                     c.subject(),
+                     {{"most", s.springs_most}, {"springs", s.springs_active}, {"refine", twice_as_fine(c.pair)}}});
   }
   return found;
 }
@@ -101,14 +97,12 @@ Findings crowded_force(const JointModel&, const Joint& joint, const SolvedStates
 /// neighbouring facets, which the springs see apart.
 Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
-    const ContactStatistics& s = state->statistics[c];
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const ContactPair& pair = c.pair;
+    const ContactStatistics& s = c.statistics;
     if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) continue;
-    Subject subject = at_state(pair, *state);
-    subject.surface = model.surfaces[at(pair.source_layer().surface)].name;
+    const Subject subject = c.subject(model, pair.source_layer());
     found.push_back({"smeared-map",
                      subject,
                      {{"area", s.headline.area},
@@ -123,19 +117,18 @@ Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedSt
 
 /// Contact of a few facets that are long against the cartilage: what flows between springs is not followed.
 Findings narrow_contact(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const ContactPair& pair = c.pair;
     if (pair.law != Law::Layer) continue;
     double least = kInfinity;
     const Layer* narrow = nullptr;
     for (int side = 0; side < 2; ++side) {
       const Layer& layer = pair.layers[side];
       if (!(facet_size(pair, layer) > kFineFacets)) continue;
-      const std::vector<double>& pressure = state->fields[c].sides[side].pressure;
+      const std::vector<double>& pressure = c.fields.sides[side].pressure;
       if (pressure.empty()) continue;
-      const double across = pair.refine * facets_across(layer, pressure, state->statistics[c].headline.above);
+      const double across = pair.refine * facets_across(layer, pressure, c.statistics.headline.above);
       if (!(across > 0) || !(across < least)) continue;
       least = across;
       narrow = &layer;
@@ -143,8 +136,7 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
     const auto* off = std::find_if(std::begin(kCoarseErrors), std::end(kCoarseErrors),
                                    [&](const CoarseError& e) { return least <= e.across; });
     if (off == std::end(kCoarseErrors)) continue;
-    Subject subject = at_state(pair, *state);
-    subject.surface = model.surfaces[at(narrow->surface)].name;
+    const Subject subject = c.subject(model, *narrow);
     const Sentence finer = finer_springs(pair, facet_size(pair, *narrow));
     found.push_back({"narrow-contact",
                      subject,
@@ -160,14 +152,12 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
 
 /// Maps that do not carry the whole force.
 Findings incomplete_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (int side = 0; side < 2; ++side) {
-      const double factor = state->fields[c].sides[side].resultant_factor;
+      const double factor = c.fields.sides[side].resultant_factor;
       if (!(std::abs(factor - 1.0) > 0.02)) continue;
-      Subject subject = at_state(joint.contacts[c], *state);
-      subject.surface = model.surfaces[at(joint.contacts[c].layers[side].surface)].name;
+      const Subject subject = c.subject(model, c.pair.layers[side]);
       found.push_back({"incomplete-map", subject, {{"percent", 100.0 * factor}}});
     }
   return found;

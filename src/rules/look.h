@@ -45,13 +45,21 @@ Findings large_turn(const JointModel& model, const Joint& joint, const SolvedSta
 Findings far_travel(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings without_effect(const JointModel& model, const Joint& joint, const SolvedStates& result);
 
-inline Subject at_state(const ContactPair& pair, const StateResult& state) {
-  return {.contact = pair.name, .time = state.when.time};
-}
-/// The last state, whose maps stand for all; nullptr: it is no solution, or nothing presses in it.
-const StateResult* judged_state(const Joint& joint, const SolvedStates& result);
-/// Nothing presses a free body, and the surfaces have parted: no forces but such as are none against the cartilage's
-/// modulus.
-bool parted(const Joint& joint, const StateResult& state);
+/// A contact in the last state, whose maps stand for all states.
+struct JudgedContact {
+  const ContactPair& pair;
+  const StateResult& state;
+  const ContactStatistics& statistics;
+  const ContactFields& fields;
+  Subject subject() const { return {.contact = pair.name, .time = state.when.time}; }
+  Subject subject(const JointModel& model, const Layer& layer) const;  ///< with its surface
+};
+/// All contacts; none where the last state is no solution.
+std::vector<JudgedContact> judged_contacts(const Joint& joint, const SolvedStates& result);
+
+/// Does nothing load a free body, and nothing press it? No forces but such as are none against `stiffest`.
+bool parted(const Equilibrium& e, double stiffest);
+/// What a load is measured against: modulus times area of the stiffest layer.
+double stiffest_layer(const Joint& joint);
 
 }  // namespace dea

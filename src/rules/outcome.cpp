@@ -44,15 +44,6 @@ Sentence outcome_sentence(const Equilibrium& e) {
   return e.advice.empty() ? Sentence(e.message) : say("{} {}", e.message, e.advice);
 }
 
-/// What a load is measured against: modulus times area of the stiffest layer.
-double stiffest_layer(const Joint& joint) {
-  double most = 0.0;
-  for (const ContactPair& pair : joint.contacts)
-    for (const Layer& layer : pair.layers)
-      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
-  return most;
-}
-
 bool touches(const StateResult& state) {
   return std::any_of(state.statistics.begin(), state.statistics.end(),
                      [](const ContactStatistics& s) { return s.springs_active > 0; });
@@ -106,16 +97,31 @@ const StateResult* passed_state(const Joint& joint, const SolvedStates& result, 
 
 std::string outcome_text(const Equilibrium& e, const Wording& wording) { return worded(outcome_sentence(e), wording); }
 
-bool parted(const Joint& joint, const StateResult& state) {
-  constexpr double kNothing = 1e-9;
-  const Equilibrium& e = state.equilibrium;
-  return e.outcome == Outcome::NoContact ||
-         (e.outcome == Outcome::Balanced && e.load <= kNothing * stiffest_layer(joint));
+double stiffest_layer(const Joint& joint) {
+  double most = 0.0;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
+  return most;
 }
 
-const StateResult* judged_state(const Joint& joint, const SolvedStates& result) {
-  const StateResult& last = result.states.back();  // stands for all: factors change slowly
-  return solved(last.equilibrium.outcome) && !parted(joint, last) ? &last : nullptr;
+bool parted(const Equilibrium& e, double stiffest) {
+  constexpr double kNothing = 1e-9;
+  return e.outcome == Outcome::Balanced && e.load <= kNothing * stiffest;
+}
+
+Subject JudgedContact::subject(const JointModel& model, const Layer& layer) const {
+  Subject with_surface = subject();
+  with_surface.surface = model.surfaces[at(layer.surface)].name;
+  return with_surface;
+}
+
+std::vector<JudgedContact> judged_contacts(const Joint& joint, const SolvedStates& result) {
+  const StateResult& last = result.states.back();  // factors change slowly
+  std::vector<JudgedContact> contacts;
+  for (std::size_t c = 0; solved(last.equilibrium.outcome) && c < joint.contacts.size(); ++c)
+    contacts.push_back({joint.contacts[c], last, last.statistics[c], last.fields[c]});
+  return contacts;
 }
 
 /// States that are no solution, neighbours together.
@@ -170,10 +176,10 @@ Findings nothing_loads(const JointModel&, const Joint& joint, const SolvedStates
            free.empty() ? 1 : 0}};
 }
 
-Findings unloaded_contact(const JointModel&, const Joint& joint, const SolvedStates& result) {
+Findings unloaded_contact(const JointModel&, const Joint&, const SolvedStates& result) {
   const StateResult& last = result.states.back();
-  if (judged_state(joint, result) == nullptr || last.equilibrium.outcome == Outcome::Prescribed || touches(last))
-    return {};
+  const Outcome outcome = last.equilibrium.outcome;
+  if (!solved(outcome) || outcome == Outcome::Prescribed || touches(last)) return {};
   return {{"contact-unloaded", {.time = last.when.time}}};
 }
 
@@ -203,9 +209,7 @@ Findings tiny_load(const JointModel&, const Joint& joint, const SolvedStates& re
     shown = std::max(shown, largest_shown_force(state));
   }
   const double stiffest = stiffest_layer(joint);
-  if (result.states.back().equilibrium.outcome != Outcome::Balanced || parted(joint, result.states.back()) ||
-      !(load < kTiny * stiffest))
-    return {};
+  if (result.states.back().equilibrium.outcome != Outcome::Balanced || !(load < kTiny * stiffest)) return {};
   const double force = shown > 0 ? shown : load;
   return {{"tiny-load", {}, {{"force", force}, {"ratio", force / stiffest}}}};
 }

@@ -12,35 +12,27 @@ namespace {
 
 constexpr Severity I = Severity::Ignored, N = Severity::Note, W = Severity::Warning;
 
-/// What readers of files have remarked.
-Findings input_remarks(const JointModel& model, const Joint& joint) {
+/// What readers of files have remarked, by its place.
+Findings remark_findings(const JointModel& model, const char* code, const std::vector<Remark>& remarks) {
   Findings found;
-  const auto place = [&](Origin origin) {  // "hip.feb:12: " as a place
-    const std::string text = where(model, origin);
-    return text.size() > 2 ? text.substr(0, text.size() - 2) : text;
-  };
-  for (const Remark& r : model.ignored)
-    found.push_back(
-        {"input-ignored", {}, {{"what", r.what}, {"count", r.count}}, r.count > 1 ? 1 : 0, place(r.origin)});
+  for (const Remark& r : remarks)
+    found.push_back({code, {}, {{"what", r.what}, {"count", r.count}}, r.count > 1 ? 1 : 0, place_of(model, r.origin)});
+  return found;
+}
+
+Findings ignored_input(const JointModel& model, const Joint& joint) {
+  Findings found = remark_findings(model, "input-ignored", model.ignored);
   for (const ContactPair& pair : joint.contacts) {
     const Contact& contact = model.contacts[at(pair.contact)];
     for (const std::string& what : contact.ignored)
-      found.push_back({"input-ignored", {.contact = contact.name}, {{"what", what}}, 2, place(contact.origin)});
+      found.push_back(
+          {"input-ignored", {.contact = contact.name}, {{"what", what}}, 2, place_of(model, contact.origin)});
   }
   return found;
 }
 
-Findings input_assumptions(const JointModel& model, const Joint&) {
-  Findings found;
-  for (const Remark& r : model.assumed) {
-    const std::string text = where(model, r.origin);
-    found.push_back({"input-assumed",
-                     {},
-                     {{"what", r.what}, {"count", r.count}},
-                     r.count > 1 ? 1 : 0,
-                     text.size() > 2 ? text.substr(0, text.size() - 2) : text});
-  }
-  return found;
+Findings assumed_input(const JointModel& model, const Joint&) {
+  return remark_findings(model, "input-assumed", model.assumed);
 }
 
 using OfModel = Findings (*)(const JointModel&, const Joint&);
@@ -581,9 +573,9 @@ std::vector<Rule> all_rules() {
               "surface \"{surface}\": at {count} of {vertices} vertices the thickness is the distance to the nearest "
               "point of the bone, for their normals meet no bone (usual at rims{shows_where})"}}),
       of_model("input-assumed", "Say it in the model if it is meant otherwise.",
-               {{N, "{what}"}, {N, "{what} ({count} times)"}}, input_assumptions),
+               {{N, "{what}"}, {N, "{what} ({count} times)"}}, assumed_input),
       of_model("input-ignored", "Nothing: it does not change the joint.",
-               {{I, "{what}"}, {I, "{what} ({count} times)"}, {I, "contact \"{contact}\": {what}"}}, input_remarks),
+               {{I, "{what}"}, {I, "{what} ({count} times)"}, {I, "contact \"{contact}\": {what}"}}, ignored_input),
   };
 }
 

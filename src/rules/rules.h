@@ -46,6 +46,9 @@ std::vector<std::string> rule_codes();
 
 Severity severity(const Finding& finding);
 
+/// The words of a rule without what only the program reads: {name:.3g} as <name>, {n?is|are} as "are".
+std::string template_text(const Words& words);
+
 /// "contact "hip": at time 1 ...", with the settings as `wording` has them.
 std::string worded(const Finding& finding, const Wording& wording = plain_wording());
 /// The same behind the severity and the place: "warning: contact "hip": ...", "ignored: hip.feb:12: ...".

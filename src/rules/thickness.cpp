@@ -84,24 +84,23 @@ Findings nearest_thickness(const JointModel& model, const Joint& joint) {
 
 /// Vertices under pressure whose thickness is doubtful.
 Findings pressed_nearest_thickness(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  const StateResult* state = judged_state(joint, result);
   Findings found;
-  for (std::size_t c = 0; state != nullptr && c < joint.contacts.size(); ++c)
+  for (const JudgedContact& c : judged_contacts(joint, result))
     for (int side = 0; side < 2; ++side) {
-      const Layer& layer = joint.contacts[c].layers[side];
-      const std::vector<double>& pressure = state->fields[c].sides[side].vertex_pressure;
+      const Layer& layer = c.pair.layers[side];
+      const std::vector<double>& pressure = c.fields.sides[side].vertex_pressure;
       if (layer.springs_at == SpringsAt::Bone || pressure.size() != layer.missed.size()) continue;
       int count = 0;
       double most = 0.0;
       for (const std::size_t v : doubtful_vertices(layer)) {
-        if (!(pressure[v] > kFelt * state->statistics[c].peak)) continue;
+        if (!(pressure[v] > kFelt * c.statistics.peak)) continue;
         ++count;
         most = std::max(most, pressure[v]);
       }
       if (count == 0) continue;
       const std::string& surface = model.surfaces[at(layer.surface)].name;
       found.push_back({"nearest-thickness-pressed",
-                       {.contact = joint.contacts[c].name, .surface = surface, .time = state->when.time},
+                       {.contact = c.pair.name, .surface = surface, .time = c.state.when.time},
                        {{"count", count}, {"pressure", most}, {"give", NamedSetting{"thickness", surface, "VALUE"}}}});
     }
   return found;

@@ -11,7 +11,7 @@ namespace {
 
 // Cartilage, menisci and discs lie between 0.1 and 100 MPa, joints between a finger's and a hip's; wide bounds beyond.
 constexpr double kLeastUsual = 1e-3, kMostUsual = 2e3;  // MPa
-constexpr double kLeastSize = 5e-4, kMostSize = 1.0;        // m, radius of gyration of an articular surface
+constexpr double kLeastSize = 5e-4, kMostSize = 1.0;    // m, radius of gyration of an articular surface
 // Without units: cartilage in Pa has more than 1e5, in kPa and MPa less; a joint in mm is larger than 2, in m smaller
 // than 0.1. Numbers between are those of blocks of size 1, which are no joint's.
 constexpr double kLeastInPascals = 2e5, kLeastInMillimetres = 2.0, kMostInMetres = 0.1, kMostInMegapascals = 1e4;

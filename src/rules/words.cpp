@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 
 #include "src/base/names.h"
 #include "src/base/time_text.h"
@@ -27,6 +28,7 @@ std::string listed(const std::vector<std::string>& names, const std::string& for
 /// What stands between braces: a name, then ":" and how it is written, or "?" and the words for one and for many.
 struct Slot {
   std::string name, format, one, many;
+  bool counts() const { return !one.empty() || !many.empty(); }
 };
 
 Slot slot_of(const std::string& text) {
@@ -44,23 +46,38 @@ Slot slot_of(const std::string& text) {
   return slot;
 }
 
+/// The text with what `fill` puts into its slots.
+std::string filled(const Words& words, const std::function<std::string(const Slot&)>& fill) {
+  const std::string text = words.text;
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '{') {
+      out += text[i];
+      continue;
+    }
+    const std::size_t end = text.find('}', i);
+    out += fill(slot_of(text.substr(i + 1, end - i - 1)));
+    i = end;
+  }
+  return out;
+}
+
 /// A value as its slot wants it.
 struct ValueText {
   const Slot& slot;
   const Wording& wording;
-  bool counts() const { return !slot.one.empty() || !slot.many.empty(); }
   std::string of_count(bool one) const { return one ? slot.one : slot.many; }
   std::string operator()(double number) const {
-    return counts() ? of_count(number == 1) : fmt::format(fmt::runtime("{:" + slot.format + "}"), number);
+    return slot.counts() ? of_count(number == 1) : fmt::format(fmt::runtime("{:" + slot.format + "}"), number);
   }
   std::string operator()(const std::string& name) const { return name; }
   std::string operator()(const std::vector<std::string>& names) const {
     if (slot.format == "count") return std::to_string(names.size());
-    return counts() ? of_count(names.size() == 1) : listed(names, slot.format);
+    return slot.counts() ? of_count(names.size() == 1) : listed(names, slot.format);
   }
   std::string operator()(const std::vector<int>& numbers) const {
     if (slot.format == "count") return std::to_string(numbers.size());
-    return counts() ? of_count(numbers.size() == 1) : number_list(numbers);
+    return slot.counts() ? of_count(numbers.size() == 1) : number_list(numbers);
   }
   std::string operator()(const NamedSetting& setting) const { return wording(setting); }
   std::string operator()(const Sentence& words) const { return worded(words, wording); }
@@ -91,18 +108,11 @@ const char* name(Severity severity) { return word_of(severity, {"ignored", "note
 Severity severity(const Finding& finding) { return words_of(finding).severity; }
 
 std::string worded(const Finding& finding, const Wording& wording) {
-  const std::string text = words_of(finding).text;
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '{') {
-      out += text[i];
-      continue;
-    }
-    const std::size_t end = text.find('}', i);
-    out += text_of(finding, slot_of(text.substr(i + 1, end - i - 1)), wording);
-    i = end;
-  }
-  return out;
+  return filled(words_of(finding), [&](const Slot& slot) { return text_of(finding, slot, wording); });
+}
+
+std::string template_text(const Words& words) {
+  return filled(words, [](const Slot& slot) { return slot.counts() ? slot.many : "<" + slot.name + ">"; });
 }
 
 std::string line(const Finding& finding, const Wording& wording) {

@@ -194,6 +194,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   const Joint& joint = prepared.joint;
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
+  const double stiffest = stiffest_layer(joint);
   SolvedStates solved;
   solved.start = starting_poses(model, joint, settings);
   solved.idle = idle_settings(model, joint, settings);
@@ -225,7 +226,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     else
       state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
-    if (parted(joint, state)) {
+    if (parted(state.equilibrium, stiffest)) {
       state.equilibrium.outcome = Outcome::NoContact;
       state.equilibrium.message = "nothing loads a free body, and nothing presses it";
     }

@@ -54,10 +54,10 @@ void add_states(const ReadyJoint& ready, SolvedStates&& solved_states, bool keep
   describe(ready.model, joint, keep_fields, result);
   result.outcome = CaseResult::Outcome::Solved;
   for (StateResult& state : solved_states.states) {
+    const bool answer = is_answer(solved_states, state);
     result.states.push_back(case_state(joint, std::move(state), keep_fields, wording));
     const CaseState& last = result.states.back();
-    const bool on_the_way = last.outcome == Outcome::NoContact && &state != &solved_states.states.back();
-    if (solved(last.outcome) || on_the_way || result.outcome == CaseResult::Outcome::Failed) continue;
+    if (answer || result.outcome == CaseResult::Outcome::Failed) continue;
     result.outcome = CaseResult::Outcome::Failed;
     result.message = fmt::format("time {:g}: {}: {}", last.time, name(last.outcome), last.message);
   }
