@@ -2,18 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
-#include "app/study_plan.h"
 #include "app/study_reading.h"
 #include "app/study_report.h"
-#include "io/files/output.h"
-#include "io/study/read_study.h"
-#include "io/study/run_study.h"
 #include "io/study/study_output.h"
+#include "io/study/study_request.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 
@@ -85,6 +83,39 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
 
 namespace {
 
+/// Names and texts in the order of the line.
+std::vector<CaseOption> options_of_line(const SettingsArguments& given) {
+  std::vector<CaseOption> options;
+  std::map<std::string, std::size_t> seen;
+  for (const std::string& name : given.order) {
+    const std::vector<std::string>& texts = given.values.at(name);
+    const std::size_t i = seen[name]++;
+    if (i < texts.size()) options.push_back({name, texts[i]});
+  }
+  return options;
+}
+
+/// All of the line but its shard and what is kept. Whatever can be wrong with it is found here, before anything is
+/// solved. Throws UsageError, InputError.
+Study study_of(const StudyArguments& a, Progress& progress) {
+  StudyRequest request;
+  request.models = a.files;
+  request.options = options_of_line(a.settings);
+  request.cases = a.cases;
+  request.sample = a.sample;
+  request.count = a.count;
+  request.seed = a.seed;
+  request.states = a.states;
+  request.settings_file = a.settings.file;
+  Study study = plan_study(request);
+  if (!a.threads.empty()) study.options.workers = count_argument("threads", a.threads, 1, 1024);
+  study.options.stop = stop_flag();
+  const std::size_t models = study.plan.models.size();
+  progress.now(models == 1 ? "reading the model" : fmt::format("reading {} models", models), "", "");
+  take_digests(study);
+  return study;
+}
+
 /// "tilt=-20, E=8", with the model where there are several.
 std::string case_words(const Plan& plan, std::size_t index) {
   const PlannedCase& c = plan.cases[index];
@@ -143,8 +174,7 @@ int solve_study(const StudyArguments& a) {
   output.overwrite = a.overwrite;
   output.remedy = "--overwrite begins anew, -o FILE.db makes another";
   study_page_options(a);  // what is wrong with them, before anything is solved
-  if (!a.csv.empty()) output.others.push_back({"--csv", a.csv});
-  if (!a.report.empty()) output.others.push_back({"--report", a.report});
+  output.others = written_beside(a);
   Progress progress(progress_style(quiet_altogether(a.findings), a.verbose));
   Study study = study_of(a, progress);
   check_study_columns(a, study.plan);
@@ -153,14 +183,14 @@ int solve_study(const StudyArguments& a) {
   if (open.todo.empty()) {
     progress.clear();
     return end_study(
-        open.path, a,
+        read_study_head(open.path), a,
         fmt::format("{}: all {} are there already", open.path, plural(open.cases.last - open.cases.first, "case")));
   }
   const Tally tally = solve(study, open, progress);
   progress.clear();
   now_under_way(UnderWay::Writing);
   const double took = seconds() - tally.start;
-  return end_study(open.path, a,
+  return end_study(read_study_head(open.path), a,
                    fmt::format("{}: {} in {:.2f} s, {:.3g} per second{}", open.path, plural(tally.done, "case"), took,
                                static_cast<double>(tally.done) / std::max(1e-3, took),
                                tally.before > 0 ? fmt::format("; {} {} there already", tally.before,

@@ -6,9 +6,6 @@
 #include "app/commands.h"
 #include "app/study_reading.h"
 #include "app/study_report.h"
-#include "io/files/held_outputs.h"
-#include "io/files/output.h"
-#include "io/study/read_study.h"
 #include "io/study/study_file.h"
 #include "io/study/study_output.h"
 #include "src/base/error.h"
@@ -34,20 +31,20 @@ void write_csv(const std::string& study, const std::string& path) {
 }
 
 /// The last line where cases are no solution; empty: all are.
-std::string failed_line(const std::string& path, const StudyHead& head) {
+std::string failed_line(const StudyHead& head) {
+  const std::string& path = head.path;
   const StudyCounts counts = count_cases(path);
   if (counts.failed + counts.refused == 0) return "";
-  const std::vector<StudyCase> cases = read_cases(path, true, 1);
-  if (cases.empty()) return "";  // solved again since
-  const StudyCase& first = cases.front();
-  std::string words = head.models.size() > 1 ? head.models[at(first.model)] + ", " : "";
+  const std::optional<StudyCase> first = first_failed(path);
+  if (!first) return "";  // solved again since
+  std::string words = head.models.size() > 1 ? head.models[at(first->model)] + ", " : "";
   for (std::size_t i = 0; i < head.factors.size(); ++i)
-    words += fmt::format("{}={}, ", head.factors[i].name, first.values[i]);
+    words += fmt::format("{}={}, ", head.factors[i].name, first->values[i]);
   return fmt::format(
       "{}: {} of {} no solution ({} failed, {} refused), first case {}: {}{}; --again failed solves them "
       "again",
-      path, counts.failed + counts.refused, plural(counts.all(), "case"), counts.failed, counts.refused, first.number,
-      words, first.message);
+      path, counts.failed + counts.refused, plural(counts.all(), "case"), counts.failed, counts.refused, first->number,
+      words, first->message);
 }
 
 /// "shard 2", "cases 4-6".
@@ -95,15 +92,23 @@ std::string study_text(const StudyHead& head, const StudyCounts& counts) {
 
 std::string plural(std::size_t n, const char* word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
 
-int end_study(const std::string& path, const StudyArguments& a, const std::string& summary) {
-  const StudyHead head = read_study_head(path);
-  if (!a.csv.empty()) write_csv(path, a.csv);
-  write_study_report(a, path);
-  if (!quiet_altogether(a.findings)) log(summary);
-  if (const std::string warned = warned_line(path); !quiet_altogether(a.findings) && !warned.empty()) log(warned);
-  const std::string failed = failed_line(path, head);
+std::vector<NamedPath> written_beside(const StudyArguments& a) {
+  std::vector<NamedPath> outputs;
+  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
+  return outputs;
+}
+
+int end_study(const StudyHead& head, const StudyArguments& a, const std::string& summary) {
+  if (!a.csv.empty()) write_csv(head.path, a.csv);
+  write_study_report(a, head.path);
+  if (!summary.empty() && !quiet_altogether(a.findings)) {
+    log(summary);
+    if (const std::string warned = warned_line(head.path); !warned.empty()) log(warned);
+  }
+  const std::string failed = failed_line(head);
   if (!failed.empty()) log(failed);
-  const bool refused = refused_codes(warned_codes(path), a.findings);
+  const bool refused = refused_codes(warned_codes(head.path), a.findings);
   return failed.empty() && !refused ? kSolved : kNoSolution;
 }
 
@@ -115,38 +120,30 @@ int read_study(const StudyArguments& a, const std::string& path) {
   refuse_solving_options(a, "a study that is read");
   study_page_options(a);
   const StudyHead head = read_study_head(path);
-  std::vector<NamedPath> outputs;
-  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   std::vector<NamedPath> inputs = {{"the study", path}};
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
-  const HeldOutputs held = claim_outputs(inputs, outputs);
-  if (!a.csv.empty()) write_csv(path, a.csv);
-  write_study_report(a, path);
+  const HeldOutputs held = claim_outputs(inputs, written_beside(a));
   if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
-  const std::string failed = failed_line(path, head);
-  if (!failed.empty()) log(failed);
-  const bool refused = refused_codes(warned_codes(path), a.findings);
-  return failed.empty() && !refused ? kSolved : kNoSolution;
+  return end_study(head, a, "");
 }
 
 int merge_shards(const StudyArguments& a) {
   refuse_solving_options(a, "--merge");
   if (a.files.empty()) throw UsageError("--merge: found no file, expected those of the shards");
   check_study_name("-o", a.output);
-  std::vector<NamedPath> inputs, outputs = {{"-o", a.output}};
+  std::vector<NamedPath> inputs, outputs = written_beside(a);
+  outputs.insert(outputs.begin(), {"-o", a.output});
   for (const std::string& file : a.files) inputs.push_back({"a shard", file});
   study_page_options(a);
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
-  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (has_content(a.output) && !a.overwrite)
     throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));
   for (const std::string& file : a.files) read_study_head(file);
   const MergedStudies merged = merge_studies(a.files, a.output);
-  const int code = end_study(
-      a.output, a, fmt::format("{}: {} of {}", a.output, plural(merged.cases, "case"), plural(a.files.size(), "file")));
+  const int code =
+      end_study(read_study_head(a.output), a,
+                fmt::format("{}: {} of {}", a.output, plural(merged.cases, "case"), plural(a.files.size(), "file")));
   if (merged.missing.empty()) return code;
   const std::string shards = merged.missing_shards.empty() ? "" : numbered("shard", merged.missing_shards) + ", ";
   log(fmt::format("{}: lacks {}{}; the command of the study without --shard, with -o {}, solves what is missing",

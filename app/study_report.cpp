@@ -126,9 +126,9 @@ void check_study_columns(const StudyArguments& a, const Plan& plan) {
 
 void write_study_report(const StudyArguments& a, const std::string& study) {
   if (a.report.empty()) return;
-  const StudyPageSummary summary = write_study_page(a.report, study, study_page_options(a));
+  const std::vector<std::string> notes = write_study_page(a.report, study, study_page_options(a));
   if (!quiet_altogether(a.findings)) log(a.report + ": the page");
-  for (const std::string& note : summary.notes) log(fmt::format("note: {}: {}", a.report, note));
+  for (const std::string& note : notes) log(fmt::format("note: {}: {}", a.report, note));
 }
 
 }  // namespace dea

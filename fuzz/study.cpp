@@ -10,6 +10,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   dea::fuzz::answer_or_refusal([&] { dea::read_cases(path); });
   dea::fuzz::answer_or_refusal([&] { dea::read_results(path, [](const std::vector<std::string>&) {}); });
   dea::fuzz::answer_or_refusal([&] { dea::read_surfaces(path, 0); });
-  dea::fuzz::answer_or_refusal([&] { dea::read_pressure(path, 0, 0, 0); });
+  dea::fuzz::answer_or_refusal([&] { dea::read_fields(path, {{1, 1, 1}}, [](std::size_t, std::vector<float>&&) {}); });
   return 0;
 }

@@ -15,6 +15,7 @@
 #include "python/work.h"
 #include "src/base/error.h"
 #include "src/study/dose.h"
+#include "src/study/influence.h"
 #include "src/study/mean_map.h"
 #include "src/study/regions.h"
 #include "views/study_page/study_page.h"
@@ -80,7 +81,7 @@ py::object influence_of_arrays(const std::vector<Numbers>& factors, const Number
   const Regression r = regression(factors, outputs);
   Json j = {{"cases", r.cases}, {"left_out", r.left_out}, {"r_squared", json_number(r.r_squared)}};
   j["regression"] = list_json(r.coefficients, json_number);
-  j["spearman"] = list_json(factors, [&](const Numbers& f) { return json_number(rank_correlation(f, outputs).rho); });
+  j["spearman"] = list_json(factors, [&](const Numbers& f) { return json_number(rank_correlation(f, outputs)); });
   return plain(j);
 }
 
@@ -89,7 +90,7 @@ py::object sobol_of(const Numbers& outputs, int dimensions, int resamples, std::
   bootstrap.resamples = resamples;
   bootstrap.seed = seed;
   const auto two = [](const Interval& i) -> Json { return {json_number(i.low), json_number(i.high)}; };
-  return plain(list_json(sobol_indices(outputs, dimensions, bootstrap).factors, [&](const SobolIndex& s) -> Json {
+  return plain(list_json(sobol_indices(outputs, dimensions, bootstrap), [&](const SobolIndex& s) -> Json {
     return {{"first", json_number(s.first)},
             {"first_interval", two(s.first_interval)},
             {"total", json_number(s.total)},
@@ -97,12 +98,6 @@ py::object sobol_of(const Numbers& outputs, int dimensions, int resamples, std::
             {"rows", s.rows},
             {"left_out", s.left_out}};
   }));
-}
-
-py::object pairs_of_arrays(const Numbers& a, const Numbers& b) {
-  const CompletePairs complete = complete_pairs(a, b);
-  return plain(pair_json({box_plot(complete.first), box_plot(complete.second), paired_difference(a, b),
-                          paired_d_z(a, b), bland_altman(a, b)}));
 }
 
 /// A study's numbers, held by Python.
@@ -132,7 +127,7 @@ using Which = std::array<std::size_t, 3>;
 Numbers outputs(const HeldNumbers& h, const Which& w) { return h.numbers.outputs(w[0], w[1], w[2]); }
 
 py::object influence_of_study(const HeldNumbers& h, const Which& which) {
-  Json j = influence_of(influence(h.numbers, h.design, outputs(h, which), {}), h.design);
+  Json j = influence_json(h.numbers, h.design, outputs(h, which), {});
   const auto named = [&](Json& list) {
     for (Json& item : list) {
       const int column = item["column"];
@@ -149,14 +144,14 @@ py::object influence_of_study(const HeldNumbers& h, const Which& which) {
 py::object groups_of_study(const HeldNumbers& h, const std::string& column, const Which& which) {
   const int c = study_column(h.numbers, "column", column);
   const StudyColumn& of = h.numbers.columns[at(c)];
-  Json j = group_json(h.numbers, group_numbers(of, outputs(h, which)), outputs(h, which));
+  Json j = group_json(h.numbers, of, outputs(h, which));
   j["levels"] = of.levels;
   return plain(j);
 }
 
 py::object pairs_of_study(const HeldNumbers& h, const std::string& column, const std::string& by, const Which& which) {
   const StudyPairs pairs = study_pairs(h.numbers, "column", column, "by", by);
-  Json j = pair_json(pair_numbers(pairs, outputs(h, which)));
+  Json j = pair_json(pairs, outputs(h, which));
   const std::vector<std::string>& levels = h.numbers.columns[at(pairs.column)].levels;
   j["levels"] = {levels[at(pairs.first)], levels[at(pairs.second)]};
   j["alone"] = pairs.alone;
@@ -195,10 +190,9 @@ StudyPageOptions page_options(const py::dict& given) {
 
 py::list write_study_report(const std::string& study, const std::string& path, const py::dict& given) {
   const StudyPageOptions options = page_options(given);
-  const auto summary = result_of<StudyPageSummary>([study, path, options](Work&) {
-    return std::make_shared<StudyPageSummary>(write_study_page(path, study, options));
-  });
-  return texts(summary->notes);
+  return texts(*result_of<std::vector<std::string>>([study, path, options](Work&) {
+    return std::make_shared<std::vector<std::string>>(write_study_page(path, study, options));
+  }));
 }
 
 void bind_numbers_of_studies(py::module_& m) {
@@ -240,10 +234,8 @@ void bind_statistics(py::module_& m) {
   m.def("box_plot", [](const DoubleArray& v) { return plain(box_json(box_plot(numbers(v)))); });
   m.def("influence", &influence_of_arrays);
   m.def("sobol_indices", &sobol_of);
-  m.def("pairs", &pairs_of_arrays);
-  m.def("difference", [](const Numbers& a, const Numbers& b) {
-    return plain(difference_json(mean_difference(a, b), cohen_d(a, b)));
-  });
+  m.def("pairs", [](const Numbers& a, const Numbers& b) { return plain(pair_json(a, b)); });
+  m.def("difference", [](const Numbers& a, const Numbers& b) { return plain(difference_json(a, b)); });
   m.def("dose", &dose_of);
   m.def("share_above", [](const DoubleArray& values, const DoubleArray& areas, double threshold) {
     return share_above(numbers(values), numbers(areas), threshold);
@@ -252,10 +244,12 @@ void bind_statistics(py::module_& m) {
     return mean_map_dict(mean_map(rows(fields, "fields"), numbers(areas)));
   });
   m.def("map_difference", [](const DoubleArray& a, const DoubleArray& b, const DoubleArray& areas) {
-    const MapDifference d = map_difference(rows(a, "first"), rows(b, "second"), numbers(areas));
+    const MeanMap first = mean_map(rows(a, "first"), numbers(areas)),
+                  second = mean_map(rows(b, "second"), numbers(areas));
+    const MapDifference d = map_difference(first, second, numbers(areas));
     py::dict result;
-    result["first"] = mean_map_dict(d.first);
-    result["second"] = mean_map_dict(d.second);
+    result["first"] = mean_map_dict(first);
+    result["second"] = mean_map_dict(second);
     result["difference"] = kept(d.difference);
     result["area_mean"] = d.area_mean;
     result["area_rms"] = d.area_rms;

@@ -190,23 +190,18 @@ py::tuple case_of(const PlannedStudy& planned, std::size_t index) {
   return py::make_tuple(text(planned.study.plan.models[at(c.model)]), texts(c.values));
 }
 
-py::list factor_names(const PlannedStudy& planned) {
+py::list factor_names(const std::vector<Factor>& factors) {
   std::vector<std::string> names;
-  for (const Factor& f : planned.study.plan.factors) names.push_back(f.name);
+  for (const Factor& f : factors) names.push_back(f.name);
   return texts(names);
 }
 
 py::tuple head_of(const std::string& path) {
   const StudyHead head = unlocked([&] { return read_study_head(path); });
-  py::list factors, inputs;
-  for (const Factor& f : head.factors) {
-    const bool drawn = f.spread.kind != Spread::Kind::None;
-    factors.append(py::make_tuple(text(f.name), text(f.option), text(f.before + "{}" + f.after),
-                                  drawn ? py::object(py::make_tuple(f.spread.a, f.spread.b)) : py::none()));
-  }
+  py::list inputs;
   for (const auto& input : head.identity.inputs) inputs.append(py::make_tuple(text(input[0]), text(input[1])));
-  return py::make_tuple(text(head.identity.version), texts(head.identity.options), inputs, texts(head.models), factors,
-                        head.planned, head.identity.shard, head.identity.shards);
+  return py::make_tuple(text(head.identity.version), texts(head.identity.options), inputs, texts(head.models),
+                        factor_names(head.factors), head.planned, head.identity.shard, head.identity.shards);
 }
 
 }  // namespace
@@ -220,7 +215,7 @@ CaseTable table_of(const Cells& cells, const char* name) {
 void bind_study(py::module_& m) {
   py::class_<PlannedStudy, Planned>(m, "PlannedStudy")
       .def("__len__", [](const PlannedStudy& p) { return p.study.plan.cases.size(); })
-      .def_property_readonly("factors", &factor_names)
+      .def_property_readonly("factors", [](const PlannedStudy& p) { return factor_names(p.study.plan.factors); })
       .def_property_readonly("models", [](const PlannedStudy& p) { return texts(p.study.plan.models); })
       .def_property_readonly("identity", &identity_of)
       .def("case", &case_of)

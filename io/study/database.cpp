@@ -8,26 +8,12 @@
 #include <cmath>
 #include <limits>
 #include <system_error>
-#include <utility>
-
-#include "src/base/error.h"
 
 namespace dea {
 
 namespace {
 
 constexpr int kPatience = 10000;  // ms
-
-int opened(const std::string& path, int flags, sqlite3** handle) {
-  sqlite3_close(*handle);
-  *handle = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
-  if (code != SQLITE_OK) return code;
-  sqlite3_busy_timeout(*handle, kPatience);
-  // what is wrong with the file shows when it is read
-  return sqlite3_exec(*handle, "PRAGMA foreign_keys=ON; PRAGMA user_version; SELECT count(*) FROM sqlite_master",
-                      nullptr, nullptr, nullptr);
-}
 
 /// `left`: errno after the call; SQLite does not always keep it.
 std::string reason(sqlite3* handle, int code, int left) {
@@ -44,42 +30,43 @@ std::string reason(sqlite3* handle, int code, int left) {
 
 Database::Database(const std::string& path, For what) : path_(path), what_(what) {
   const int write = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  int code = opened(path, what == For::Writing ? write : SQLITE_OPEN_READONLY, &handle_);
+  int code = open(path, what == For::Writing ? write : SQLITE_OPEN_READONLY);
   // a program that was killed while it wrote: what it had begun is taken back, which is writing
   if (what == For::Reading && (code == SQLITE_READONLY_ROLLBACK || code == SQLITE_READONLY_RECOVERY ||
                                code == SQLITE_READONLY_CANTLOCK || code == SQLITE_CANTOPEN))
-    code = opened(path, SQLITE_OPEN_READWRITE, &handle_);
-  try {
-    if (code != SQLITE_OK) fail(code);
-    if (what == For::Reading) execute("PRAGMA query_only=ON");
-  } catch (...) {
-    sqlite3_close(handle_);
-    throw;
-  }
+    code = open(path, SQLITE_OPEN_READWRITE);
+  if (code != SQLITE_OK) fail(code);
+  if (what == For::Reading) execute("PRAGMA query_only=ON");
 }
 
 Database::Database(const std::string& name, const std::string& bytes) : path_(name), what_(For::Reading) {
   const auto size = static_cast<sqlite3_int64>(bytes.size());
-  int code = opened(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &handle_);
-  try {
-    if (code != SQLITE_OK) fail(code);
-    auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size() + 1));
-    if (copy == nullptr) fail(SQLITE_NOMEM);
-    std::copy(bytes.begin(), bytes.end(), copy);
-    // the copy is SQLite's from here on, also where this fails
-    code = sqlite3_deserialize(handle_, "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE);
-    if (code != SQLITE_OK) fail(code);
-    execute("PRAGMA query_only=ON; SELECT count(*) FROM sqlite_master");
-  } catch (...) {
-    sqlite3_close(handle_);
-    throw;
-  }
+  int code = open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  if (code != SQLITE_OK) fail(code);
+  auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size() + 1));
+  if (copy == nullptr) fail(SQLITE_NOMEM);
+  std::copy(bytes.begin(), bytes.end(), copy);
+  // the copy is SQLite's from here on, also where this fails
+  code = sqlite3_deserialize(handle(), "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE);
+  if (code != SQLITE_OK) fail(code);
+  execute("PRAGMA query_only=ON; SELECT count(*) FROM sqlite_master");
 }
 
-Database::~Database() { sqlite3_close(handle_); }
+void Database::Close::operator()(sqlite3* handle) const { sqlite3_close(handle); }
+
+int Database::open(const std::string& path, int flags) {
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+  handle_.reset(handle);
+  if (code != SQLITE_OK) return code;
+  sqlite3_busy_timeout(handle, kPatience);
+  // what is wrong with the file shows when it is read
+  return sqlite3_exec(handle, "PRAGMA foreign_keys=ON; PRAGMA user_version; SELECT count(*) FROM sqlite_master",
+                      nullptr, nullptr, nullptr);
+}
 
 void Database::fail(int code) const {
-  const std::string text = reason(handle_, code, errno);
+  const std::string text = reason(handle(), code, errno);
   const int kind = code & 0xff;
   if (kind == SQLITE_BUSY || kind == SQLITE_LOCKED)
     throw DatabaseBusy(
@@ -89,30 +76,27 @@ void Database::fail(int code) const {
   throw InputError(fmt::format("{}: {}, expected a study's file (dea study -o FILE.db)", path_, text));
 }
 
-void Database::execute(const std::string& sql) {
-  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+void Database::execute(const std::string& sql) const {
+  const int code = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) fail(code);
 }
 
 std::string Database::bytes() const {
   sqlite3_int64 size = 0;
-  unsigned char* all = sqlite3_serialize(handle_, "main", &size, 0);
+  unsigned char* all = sqlite3_serialize(handle(), "main", &size, 0);
   if (all == nullptr) fail(SQLITE_NOMEM);
   std::string copy(reinterpret_cast<const char*>(all), static_cast<std::size_t>(size));
   sqlite3_free(all);
   return copy;
 }
 
-void Database::wait_for_others(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }
+void Database::wait_for_others(int milliseconds) { sqlite3_busy_timeout(handle(), milliseconds); }
 
 Statement::Statement(const Database& database, const std::string& sql) : database_(database) {
   check(sqlite3_prepare_v2(database.handle(), sql.c_str(), -1, &statement_, nullptr));
 }
 
 Statement::~Statement() { sqlite3_finalize(statement_); }
-
-Statement::Statement(Statement&& other) noexcept
-    : database_(other.database_), statement_(std::exchange(other.statement_, nullptr)), next_(other.next_) {}
 
 void Statement::check(int code) {
   if (code != SQLITE_OK) database_.fail(code);
@@ -152,8 +136,7 @@ Statement& Statement::bind(const Statement& from, int column) {
 bool Statement::step() {
   const int code = sqlite3_step(statement_);
   if (code != SQLITE_ROW && code != SQLITE_DONE) {
-    sqlite3_reset(statement_);
-    next_ = 1;
+    reset();
     database_.fail(code);
   }
   return code == SQLITE_ROW;
@@ -190,6 +173,19 @@ std::string Statement::bytes(int column) const {
   const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
   return bytes == nullptr ? std::string()
                           : std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
+}
+
+std::vector<std::string> column_names(const Database& database, const std::string& query) {
+  const Statement rows(database, query);
+  std::vector<std::string> names;
+  for (int i = 0; i < rows.columns(); ++i) names.push_back(rows.name(i));
+  return names;
+}
+
+std::string insert_sql(const Database& database, const std::string& table, const char* other) {
+  std::string marks = "?";
+  for (std::size_t i = 1; i < column_names(database, "SELECT * FROM " + table).size(); ++i) marks += ",?";
+  return fmt::format("INSERT {} INTO {} VALUES ({})", other, table, marks);
 }
 
 std::string quoted_name(const std::string& name) {

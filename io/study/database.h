@@ -4,6 +4,9 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
+
+#include "src/base/error.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -15,6 +18,11 @@ struct DatabaseBusy : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The same for who only reads a study's file.
+struct StudyBusy : InputError {
+  using InputError::InputError;
+};
+
 /// An open database file. Faults: WriteError if it was opened to be written, InputError if to be read, with its path;
 /// DatabaseBusy.
 class Database {
@@ -24,10 +32,9 @@ class Database {
   Database(const std::string& path, For what);
   /// A database as `bytes` has it, in memory, to be read. `name`: in place of a path.
   Database(const std::string& name, const std::string& bytes);
-  ~Database();
   Database(Database&&) = delete;
 
-  void execute(const std::string& sql);
+  void execute(const std::string& sql) const;
   /// The whole database, for the constructor that takes bytes.
   std::string bytes() const;
   /// A fault of the last call, whose result was `code`.
@@ -35,13 +42,18 @@ class Database {
   /// How long a call waits for other programs.
   void wait_for_others(int milliseconds);
 
-  sqlite3* handle() const { return handle_; }
+  sqlite3* handle() const { return handle_.get(); }
   const std::string& path() const { return path_; }
 
  private:
+  struct Close {
+    void operator()(sqlite3* handle) const;
+  };
+  int open(const std::string& path, int flags);
+
   std::string path_;
   For what_;
-  sqlite3* handle_ = nullptr;
+  std::unique_ptr<sqlite3, Close> handle_;
 };
 
 /// One SQL statement, made once, run often: bind all, then step, then reset.
@@ -49,8 +61,7 @@ class Statement {
  public:
   Statement(const Database& database, const std::string& sql);
   ~Statement();
-  Statement(Statement&& other) noexcept;
-  Statement& operator=(Statement&&) = delete;
+  Statement(Statement&&) = delete;
 
   /// The next parameter, from the first on. NaN and infinity are NULL.
   Statement& bind(double value);
@@ -83,6 +94,12 @@ class Statement {
   sqlite3_stmt* statement_ = nullptr;
   int next_ = 1;
 };
+
+/// The columns of a table, view or query, by their names.
+std::vector<std::string> column_names(const Database& database, const std::string& query);
+
+/// "INSERT INTO NAME VALUES (?, ?, ...)", of all columns of the table. `other`: "OR IGNORE" and its like.
+std::string insert_sql(const Database& database, const std::string& table, const char* other = "");
 
 /// A name as SQL wants it, whatever is in it.
 std::string quoted_name(const std::string& name);

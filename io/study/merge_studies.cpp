@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "io/study/database.h"
 #include "io/study/read_study.h"
-#include "io/study/study_file.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"
 
@@ -37,7 +35,7 @@ void copy_all(const std::vector<StudyHead>& heads, Database& to) {
   for (const StudyHead& head : heads) {
     Database from(head.path, Database::For::Reading);
     from.execute("BEGIN");  // one state of it, though somebody may be writing
-    for (const std::string& table : study_tables())
+    for (const std::string& table : study_tables(to))
       if (&head == &heads.front() || !describes_study(table)) copy_table(from, to, table);
   }
   to.execute("UPDATE study SET value = '1' WHERE key IN ('shard', 'shards'); COMMIT");

@@ -6,9 +6,7 @@
 #include <fstream>
 #include <optional>
 
-#include "io/study/database.h"
 #include "io/study/reading.h"
-#include "io/study/study_schema.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 
@@ -59,9 +57,8 @@ StudyHead head_of(const Database& d) {
     const std::string text = rows.text(2), spread = rows.text(3);
     f.before = text.substr(0, text.find("{}"));
     f.after = text.substr(std::min(text.size(), f.before.size() + 2));
-    for (const auto kind : {Spread::Kind::Uniform, Spread::Kind::Normal, Spread::Kind::LogNormal})
-      if (spread == word_of(kind, {"", "uniform", "normal", "lognormal"}))
-        f.spread = {kind, rows.number(4), rows.number(5)};
+    for (std::size_t kind = 1; kind < kSpreadWords.size(); ++kind)
+      if (spread == kSpreadWords[kind]) f.spread = {static_cast<Spread::Kind>(kind), rows.number(4), rows.number(5)};
     head.factors.push_back(std::move(f));
   }
   return head;
@@ -135,17 +132,21 @@ std::string input_difference(const std::vector<std::array<std::string, 2>>& ther
   return "it was made from the same files in another order";
 }
 
-CaseResult::Outcome outcome_of(const std::string& word) {
-  for (const auto outcome : {CaseResult::Outcome::Solved, CaseResult::Outcome::Failed})
-    if (word == name(outcome)) return outcome;
-  return CaseResult::Outcome::Refused;
-}
-
 /// A cell as CSV has it.
 std::string cell_text(const Statement& row, int column) {
   if (row.is_null(column) || !row.is_number(column)) return row.text(column);
-  const double number = row.number(column);
-  return fmt::format("{}", number + 0.0);
+  return fmt::format("{}", row.number(column) + 0.0);
+}
+
+StudyCase case_of_row(const Statement& row) {
+  StudyCase c;
+  c.number = static_cast<std::size_t>(row.integer(0));
+  c.model = static_cast<int>(row.integer(1)) - 1;
+  c.outcome = outcome_of(row.text(2));
+  c.message = row.text(3);
+  c.seconds = row.number(4);
+  for (int i = 5; i < row.columns(); ++i) c.values.push_back(cell_text(row, i));
+  return c;
 }
 
 }  // namespace
@@ -160,7 +161,7 @@ bool is_database(const std::string& path) {
 StudyHead read_study_head(const std::string& path) {
   return reading(path, [](const Database& d) {
     StudyHead head = head_of(d);
-    const int columns = Statement(d, "SELECT * FROM cases").columns(), factors = static_cast<int>(head.factors.size());
+    const std::size_t columns = column_names(d, "SELECT * FROM cases").size(), factors = head.factors.size();
     if (columns != 5 + factors)
       throw InputError(
           fmt::format("{}: found {} factors and {} columns of their values in table cases, expected as many", d.path(),
@@ -211,79 +212,30 @@ StudyWarned count_warned(const std::string& path) {
 }
 
 std::vector<std::string> warned_codes(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<std::string> codes;
-    for (Statement rows(d, "SELECT DISTINCT severity FROM warnings UNION SELECT DISTINCT code FROM warnings");
-         rows.step();)
-      codes.push_back(rows.text(0));
-    return codes;
-  });
+  return rows_of(path, "SELECT DISTINCT severity FROM warnings UNION SELECT DISTINCT code FROM warnings",
+                 [](const Statement& row) { return row.text(0); });
 }
 
-std::vector<StudyCase> read_cases(const std::string& path, bool only_failed, std::size_t most) {
-  return reading(path, [&](const Database& d) {
-    std::vector<StudyCase> cases;
-    const std::string sql =
-        fmt::format("SELECT * FROM cases {} ORDER BY case_id", only_failed ? "WHERE case_outcome <> 'solved'" : "");
-    for (Statement rows(d, sql); cases.size() < most && rows.step();) {
-      StudyCase c;
-      c.number = static_cast<std::size_t>(rows.integer(0));
-      c.model = static_cast<int>(rows.integer(1)) - 1;
-      c.outcome = outcome_of(rows.text(2));
-      c.message = rows.text(3);
-      c.seconds = rows.number(4);
-      for (int i = 5; i < rows.columns(); ++i) c.values.push_back(cell_text(rows, i));
-      cases.push_back(std::move(c));
-    }
-    return cases;
-  });
+std::vector<StudyCase> read_cases(const std::string& path) {
+  return rows_of(path, "SELECT * FROM cases ORDER BY case_id", &case_of_row);
 }
 
-StudyColumns read_columns(const std::string& path, const std::vector<std::string>& names) {
-  return reading(path, [&](const Database& d) {
-    std::vector<std::string> there;
-    const Statement all(d, "SELECT * FROM results");
-    for (int i = 0; i < all.columns(); ++i) there.push_back(all.name(i));
-    std::string wanted;
-    for (const std::string& name : names) {
-      if (std::find(there.begin(), there.end(), name) == there.end())
-        throw InputError(fmt::format("{}: found no column \"{}\"{}; results have {}", path, name,
-                                     did_you_mean(name, there), name_list(there, name)));
-      wanted += ", " + quoted_name(name);
-    }
-    StudyColumns out;
-    out.numbers.resize(names.size());
-    for (Statement rows(d, fmt::format("SELECT case_id, state, contact_id, contact{} FROM results {}", wanted, kOrder));
-         rows.step();) {
-      out.case_id.push_back(rows.integer(0));
-      out.state.push_back(rows.integer(1));
-      out.contact_id.push_back(rows.integer(2));
-      out.contact.push_back(rows.text(3));
-      for (std::size_t i = 0; i < names.size(); ++i) out.numbers[i].push_back(rows.number(static_cast<int>(i) + 4));
-    }
-    return out;
-  });
+std::optional<StudyCase> first_failed(const std::string& path) {
+  const auto found =
+      rows_of(path, "SELECT * FROM cases WHERE case_outcome <> 'solved' ORDER BY case_id LIMIT 1", &case_of_row);
+  return found.empty() ? std::nullopt : std::optional<StudyCase>(found.front());
 }
 
 void read_results(const std::string& path, const std::function<void(const std::vector<std::string>& cells)>& row) {
   reading(path, [&](const Database& d) {
     Statement rows(d, fmt::format("SELECT * FROM results {}", kOrder));
-    std::vector<std::string> cells(static_cast<std::size_t>(rows.columns()));
-    for (int i = 0; i < rows.columns(); ++i) cells[static_cast<std::size_t>(i)] = rows.name(i);
+    std::vector<std::string> cells = column_names(d, "SELECT * FROM results");
     row(cells);
     while (rows.step()) {
       for (int i = 0; i < rows.columns(); ++i) cells[static_cast<std::size_t>(i)] = cell_text(rows, i);
       row(cells);
     }
     return 0;
-  });
-}
-
-std::vector<float> read_pressure(const std::string& path, std::size_t case_number, int state, int contact_id) {
-  return reading(path, [&](const Database& d) {
-    Statement row(d, "SELECT pressure FROM fields WHERE case_id = ? AND state = ? AND contact_id = ?");
-    row.bind(static_cast<std::int64_t>(case_number)).bind(std::int64_t{state}).bind(std::int64_t{contact_id});
-    return row.step() ? unpacked<float>(d, row.bytes(0)) : std::vector<float>();
   });
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "io/study/study_busy.h"
 #include "io/study/study_file.h"
 
 namespace dea {
@@ -53,24 +53,15 @@ struct StudyCase {
   double seconds = 0.0;
   std::vector<std::string> values;  ///< one per factor
 };
-/// In their order. `only_failed`: those that are not solved.
-std::vector<StudyCase> read_cases(const std::string& path, bool only_failed = false, std::size_t most = SIZE_MAX);
-
-/// Columns of the view `results` by their names: one row per case, state and contact, in this order. NaN: NULL.
-struct StudyColumns {
-  std::vector<std::int64_t> case_id, state, contact_id;
-  std::vector<std::string> contact;
-  std::vector<std::vector<double>> numbers;  ///< one per name
-};
-/// Throws InputError: there is no such column.
-StudyColumns read_columns(const std::string& path, const std::vector<std::string>& names);
+/// In their order.
+std::vector<StudyCase> read_cases(const std::string& path);
+/// The first that is not solved.
+std::optional<StudyCase> first_failed(const std::string& path);
 
 /// All rows of the view `results` in the order of cases, states and contacts; the names of its columns first. A cell
 /// that is NULL is empty, a number is the shortest text that reads back as the same.
 void read_results(const std::string& path, const std::function<void(const std::vector<std::string>& cells)>& row);
 
-/// Pressure at the vertices of a contact's surface, as far as the file keeps it; empty: it does not.
-std::vector<float> read_pressure(const std::string& path, std::size_t case_number, int state, int contact_id);
 /// The surfaces of a model.
 struct StudySurface {
   std::string contact, source;

@@ -5,35 +5,39 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "io/files/packed_bytes.h"
-#include "io/study/database.h"
-#include "io/study/study_busy.h"
+#include "io/study/study_schema.h"
 #include "src/base/error.h"
 
 namespace dea {
 
-/// Throws InputError: not a study, or one of another version.
-void check_study(const Database& database);
-
-/// A study, opened to be read. What is not as this program makes it is told by SQLite as a fault of the file.
-struct StudyDatabase : Database {
-  explicit StudyDatabase(const std::string& path) : Database(path, For::Reading) { check_study(*this); }
-};
-
-/// `read` of a study; that another program keeps writing is a fault here.
+/// `read` of a study; that another program keeps writing is a fault here. What is not as this program makes it is told
+/// by SQLite as a fault of the file.
 template <class Read>
 auto reading(const std::string& path, Read read) {
   if (!std::ifstream(path)) throw InputError(fmt::format("{}: found no readable file, expected a study's", path));
   try {
-    const StudyDatabase database(path);
+    const Database database(path, Database::For::Reading);
+    check_study(database);
     return read(database);
   } catch (const DatabaseBusy& busy) {
     throw StudyBusy(fmt::format("{}; try again", busy.what()));
   }
+}
+
+/// What `get` makes of each row of a query.
+template <class Get>
+auto rows_of(const std::string& path, const std::string& sql, Get get) {
+  return reading(path, [&](const Database& d) {
+    std::vector<decltype(get(std::declval<const Statement&>()))> all;
+    for (Statement row(d, sql); row.step();) all.push_back(get(row));
+    return all;
+  });
 }
 
 /// The array in a blob.

@@ -1,4 +1,4 @@
-// io/study/ready_joints.h – joints of model files, each made ready once.
+// io/study/ready_joints.h – joints of model files, each made ready once, and how often a study still wants them.
 #pragma once
 #include <cstdint>
 #include <future>
@@ -6,8 +6,11 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <unordered_map>
+#include <vector>
 
 #include "src/run/ready_joint.h"
+#include "src/study/plan.h"
 
 namespace dea {
 
@@ -38,6 +41,24 @@ class ReadyJoints {
   std::mutex mutex_;
   std::uint64_t clock_ = 0;
   std::map<std::string, Entry> entries_;  // by path and settings
+};
+
+/// Cases that share a joint have the same model, and the same values of all factors that change the joint. Several
+/// threads may tell of cases at a time.
+class JointUses {
+ public:
+  /// Of the cases of these indices in plan.cases. The plan outlives it.
+  JointUses(const Plan& plan, const std::vector<std::size_t>& cases);
+
+  /// A case has ended: does no other want its joint any more? Mistaken, it costs time or memory and nothing else.
+  bool was_last(const PlannedCase& c);
+
+ private:
+  std::uint64_t joint_of(const PlannedCase& c) const;
+
+  std::vector<bool> of_joint_;  // per factor: changes it
+  std::mutex mutex_;
+  std::unordered_map<std::uint64_t, std::uint32_t> left_;
 };
 
 }  // namespace dea

@@ -18,7 +18,6 @@
 #include "io/results/plot_file.h"
 #include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
-#include "io/study/joint_uses.h"
 #include "io/study/ready_joints.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"

@@ -12,14 +12,13 @@
 #include "io/files/output.h"
 #include "io/files/packed_bytes.h"
 #include "io/settings/setting_words.h"
-#include "io/study/database.h"
 #include "io/study/study_schema.h"
-#include "src/rules/rules.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/rotations.h"
 #include "src/results/contact_numbers.h"
+#include "src/rules/rules.h"
 
 namespace dea {
 
@@ -27,7 +26,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kBatch = 0.5;          ///< between two times of writing [s]
 constexpr double kLongestPause = 10.0;  ///< the same on slow disks [s]
 constexpr int kWait = 100;              ///< for who reads the file; then the batch grows [ms]
 constexpr double kLongestWait = 600.0;  ///< after which that is a fault [s]
@@ -39,13 +37,6 @@ std::int64_t whole(std::size_t n) { return static_cast<std::int64_t>(n); }
 template <class T>
 std::string packed(const std::vector<T>& values) {
   return packed_bytes({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
-}
-
-/// NAME in "INSERT INTO NAME VALUES (?, ?, ...)".
-std::string insert_sql(const char* table, std::size_t columns, const char* what = "INSERT") {
-  std::string marks = "?";
-  for (std::size_t i = 1; i < columns; ++i) marks += ",?";
-  return fmt::format("{} INTO {} VALUES ({})", what, table, marks);
 }
 
 void bind_text_or_null(Statement& to, const std::string& text) {
@@ -88,25 +79,23 @@ void bind_vector(Statement& to, const Vector3d& v) { to.bind(v.x()).bind(v.y()).
 /// All that is inserted, prepared once.
 struct StudyInserts {
   Statement remove, one, warning, state, statistics, part, inside, inside_part, pose, surface, field;
-  StudyInserts(const Database& d, std::size_t factors)
+  explicit StudyInserts(const Database& d)
       : remove(d, "DELETE FROM cases WHERE case_id = ?"),
-        one(d, insert_sql("cases", 5 + factors)),
-        warning(d, insert_sql("warnings", 10)),
-        state(d, insert_sql("states", 8)),
-        statistics(d, insert_sql("statistics", 6 + contact_numbers().size())),
-        part(d, insert_sql("parts", 6 + compartment_numbers().size())),
-        inside(d, insert_sql("inside", 3 + inside_numbers().size())),
-        inside_part(d, insert_sql("inside_parts", 4 + compartment_inside_numbers().size())),
-        pose(d, insert_sql("poses", 16)),
-        surface(d, insert_sql("surfaces", 6, "INSERT OR IGNORE")),
-        field(d, insert_sql("fields", 4)) {}
+        one(d, insert_sql(d, "cases")),
+        warning(d, insert_sql(d, "warnings")),
+        state(d, insert_sql(d, "states")),
+        statistics(d, insert_sql(d, "statistics")),
+        part(d, insert_sql(d, "parts")),
+        inside(d, insert_sql(d, "inside")),
+        inside_part(d, insert_sql(d, "inside_parts")),
+        pose(d, insert_sql(d, "poses")),
+        surface(d, insert_sql(d, "surfaces", "OR IGNORE")),
+        field(d, insert_sql(d, "fields")) {}
 };
 
 namespace {
 
-using Inserts = StudyInserts;
-
-void insert_contact(Inserts& in, std::int64_t number, std::int64_t s, std::int64_t id, const CaseContact& contact,
+void insert_contact(StudyInserts& in, std::int64_t number, std::int64_t s, std::int64_t id, const CaseContact& contact,
                     const ContactStatistics& statistics) {
   in.statistics.bind(number).bind(s).bind(id).bind(contact.name).bind(contact.source).bind(contact.target);
   bind_numbers(in.statistics, contact_numbers(), statistics);
@@ -127,7 +116,8 @@ void insert_contact(Inserts& in, std::int64_t number, std::int64_t s, std::int64
   }
 }
 
-void insert_state(Inserts& in, std::int64_t number, std::int64_t s, const CaseResult& result, const CaseState& state) {
+void insert_state(StudyInserts& in, std::int64_t number, std::int64_t s, const CaseResult& result,
+                  const CaseState& state) {
   in.state.bind(number).bind(s).bind(state.time).bind(std::string(name(state.outcome)));
   bind_text_or_null(in.state, state.message);
   in.state.bind(std::int64_t{state.iterations}).bind(state.residual_force).bind(state.residual_moment).run();
@@ -146,7 +136,7 @@ void insert_state(Inserts& in, std::int64_t number, std::int64_t s, const CaseRe
     in.field.bind(number).bind(s).bind(whole(c + 1)).bind_bytes(packed(state.fields[c].pressure)).run();
 }
 
-void insert_surfaces(Inserts& in, int model, const CaseResult& result) {
+void insert_surfaces(StudyInserts& in, int model, const CaseResult& result) {
   for (std::size_t c = 0; c < result.surfaces.size(); ++c) {
     const CaseSurface& surface = result.surfaces[c];
     std::vector<double> vertices;
@@ -158,7 +148,7 @@ void insert_surfaces(Inserts& in, int model, const CaseResult& result) {
   }
 }
 
-void insert_case(Inserts& in, const Plan& plan, const CaseResult& result) {
+void insert_case(StudyInserts& in, const Plan& plan, const CaseResult& result) {
   const PlannedCase& planned = plan.cases[result.number - 1];
   const std::int64_t number = whole(result.number);
   in.one.bind(number).bind(std::int64_t{planned.model + 1}).bind(std::string(name(result.outcome)));
@@ -179,15 +169,15 @@ void insert_spread(Statement& to, const Spread& spread) {
   if (spread.kind == Spread::Kind::None)
     to.bind_null().bind_null().bind_null();
   else
-    to.bind(std::string(word_of(spread.kind, {"", "uniform", "normal", "lognormal"}))).bind(spread.a).bind(spread.b);
+    to.bind(std::string(kSpreadWords[static_cast<std::size_t>(spread.kind)])).bind(spread.a).bind(spread.b);
 }
 
 /// All tables but the cases, at once.
 void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
   d.execute("BEGIN IMMEDIATE");
   make_study_tables(d, plan.factors, identity.inside);
-  Statement study(d, insert_sql("study", 2)), option(d, insert_sql("options", 2)), input(d, insert_sql("inputs", 3)),
-      factor(d, insert_sql("factors", 7)), model(d, insert_sql("models", 2));
+  Statement study(d, insert_sql(d, "study")), option(d, insert_sql(d, "options")), input(d, insert_sql(d, "inputs")),
+      factor(d, insert_sql(d, "factors")), model(d, insert_sql(d, "models"));
   const auto say = [&](const char* key, const std::string& value) { study.bind(std::string(key)).bind(value).run(); };
   say("schema", fmt::format("dea.study/{}", kStudyVersion));
   say("version", identity.version);
@@ -209,18 +199,14 @@ void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
 }
 
 /// What a database has of the cases, into `there`; their indices.
-std::vector<std::size_t> note_cases(const Database& d, std::vector<CaseThere>& there) {
+std::vector<std::size_t> note_cases(const Database& d, CasesThere& there) {
   std::vector<std::size_t> indices;
-  const std::size_t count = there.size();
   for (Statement rows(d, "SELECT case_id, case_outcome FROM cases"); rows.step();) {
     const std::int64_t number = rows.integer(0);
-    if (number < 1 || number > whole(count))
-      throw InputError(fmt::format("{}: found case {}, expected numbers from 1 to {}", d.path(), number, count));
-    const std::string outcome = rows.text(1);
-    there[at(number - 1)] = outcome == name(CaseResult::Outcome::Solved)   ? CaseThere::Solved
-                            : outcome == name(CaseResult::Outcome::Failed) ? CaseThere::Failed
-                                                                           : CaseThere::Refused;
+    if (number < 1 || number > whole(there.size()))
+      throw InputError(fmt::format("{}: found case {}, expected numbers from 1 to {}", d.path(), number, there.size()));
     indices.push_back(static_cast<std::size_t>(number - 1));
+    there[indices.back()] = outcome_of(rows.text(1));
   }
   return indices;
 }
@@ -228,6 +214,12 @@ std::vector<std::size_t> note_cases(const Database& d, std::vector<CaseThere>& t
 }  // namespace
 
 const char* name(CaseResult::Outcome outcome) { return word_of(outcome, {"solved", "failed", "refused"}); }
+
+CaseResult::Outcome outcome_of(const std::string& word) {
+  for (const auto outcome : {CaseResult::Outcome::Solved, CaseResult::Outcome::Failed})
+    if (word == name(outcome)) return outcome;
+  return CaseResult::Outcome::Refused;
+}
 
 ShardCases shard_cases(std::size_t cases, int shard, int shards) {
   assert(1 <= shard && shard <= shards);
@@ -269,123 +261,95 @@ bool has_content(const std::string& path) {
   return !error && size > 0;
 }
 
-struct StudyWriter::Parts {
-  Database database;
-  const Plan& plan;
-  StudyInserts inserts;
-  std::vector<CaseThere> there;
-  std::vector<CaseResult> waiting;
-  std::function<void()> before_writing;
-  std::vector<std::unique_ptr<Database>> batches;  ///< that wait
-  double written = 0.0;                            ///< when something was written last [s]
-  double pause = kBatch;  ///< until the next time: where writing is slow, it shall not take most of the time [s]
-  double busy_since = 0;  ///< when somebody began to keep us from it; 0: nobody does
-
-  Parts(const std::string& path, const Plan& p, const StudyIdentity& identity)
-      : database(path, Database::For::Writing), plan(p), inserts(made(path, p, identity), p.factors.size()) {}
-
-  const Database& made(const std::string& path, const Plan& p, const StudyIdentity& identity) {
-    if (!has_content(path)) make_study(database, p, identity);
-    return database;
-  }
-
-  void insert(const CaseResult& result) {
-    if (there[result.number - 1] != CaseThere::Missing) inserts.remove.bind(whole(result.number)).run();
-    insert_case(inserts, plan, result);
-  }
-
-  void insert(const Database& batch) {
-    std::vector<CaseThere> its(there.size(), CaseThere::Missing);
-    for (const std::size_t i : note_cases(batch, its))
-      if (there[i] != CaseThere::Missing) inserts.remove.bind(whole(i + 1)).run();
-    for (const std::string& table : study_tables())
-      if (!describes_study(table)) copy_table(batch, database, table);
-  }
-
-  /// All that waits, at once. False: another program reads the file.
-  bool write() {
-    if (before_writing) before_writing();
-    const double start = seconds();
-    try {
-      database.execute("BEGIN IMMEDIATE");
-      for (const CaseResult& result : waiting) insert(result);
-      for (const auto& batch : batches) insert(*batch);
-      database.execute("COMMIT");
-    } catch (const DatabaseBusy&) {
-      take_back();
-      return false;
-    } catch (...) {
-      take_back();
-      throw;
-    }
-    for (const CaseResult& result : waiting)
-      there[result.number - 1] = result.outcome == CaseResult::Outcome::Solved   ? CaseThere::Solved
-                                 : result.outcome == CaseResult::Outcome::Failed ? CaseThere::Failed
-                                                                                 : CaseThere::Refused;
-    for (const auto& batch : batches) note_cases(*batch, there);
-    waiting.clear();
-    batches.clear();
-    written = seconds();
-    pause = std::clamp(5 * (written - start), kBatch, kLongestPause);
-    busy_since = 0.0;
-    return true;
-  }
-
-  void write_if_due() {
-    if (seconds() - written >= pause && !write()) wait_or_fail();
-  }
-
-  void take_back() {
-    try {
-      database.execute("ROLLBACK");
-    } catch (const std::exception&) {
-      // it was taken back already
-    }
-  }
-
-  void wait_or_fail() {
-    const double now = seconds();
-    if (busy_since <= 0.0) busy_since = now;
-    if (now - busy_since > kLongestWait)
-      throw WriteError(
-          fmt::format("{}: another program has read it for {:.0f} minutes; the same command goes on when it "
-                      "has ended",
-                      database.path(), kLongestWait / 60));
-    written = now;
-  }
-};
-
 StudyWriter::StudyWriter(const std::string& path, const Plan& plan, const StudyIdentity& identity)
-    : parts_(std::make_unique<Parts>(path, plan, identity)) {
-  parts_->there.assign(plan.cases.size(), CaseThere::Missing);
-  note_cases(parts_->database, parts_->there);
-  parts_->database.wait_for_others(kWait);
-  parts_->written = seconds();
+    : database_(path, Database::For::Writing), plan_(plan), there_(plan.cases.size()) {
+  if (!has_content(path)) make_study(database_, plan, identity);
+  inserts_ = std::make_unique<StudyInserts>(database_);
+  note_cases(database_, there_);
+  database_.wait_for_others(kWait);
+  written_ = seconds();
 }
 
 StudyWriter::~StudyWriter() = default;
 
-void StudyWriter::before_writing(std::function<void()> check) { parts_->before_writing = std::move(check); }
-
-const std::vector<CaseThere>& StudyWriter::there() const { return parts_->there; }
-
 void StudyWriter::add(CaseResult&& result) {
-  parts_->waiting.push_back(std::move(result));
-  parts_->write_if_due();
+  waiting_.push_back(std::move(result));
+  write_if_due();
 }
 
 void StudyWriter::add(std::string&& packed) {
   const std::optional<std::string> bytes = unpacked_bytes(packed);
   if (!bytes) throw InputError("found a damaged batch of results, expected what another writer has packed");
-  parts_->batches.push_back(std::make_unique<Database>("a batch of results", *bytes));
-  parts_->write_if_due();
+  batches_.push_back(std::make_unique<Database>("a batch of results", *bytes));
+  write_if_due();
 }
 
 void StudyWriter::finish() {
-  while (!parts_->waiting.empty() || !parts_->batches.empty())
-    if (!parts_->write()) parts_->wait_or_fail();
+  while (!waiting_.empty() || !batches_.empty())
+    if (!write()) wait_or_fail();
 }
 
-std::string StudyWriter::packed() const { return packed_bytes(parts_->database.bytes()); }
+std::string StudyWriter::packed() const { return packed_bytes(database_.bytes()); }
+
+void StudyWriter::write_if_due() {
+  if (seconds() - written_ >= pause_ && !write()) wait_or_fail();
+}
+
+bool StudyWriter::write() {
+  if (before_writing) before_writing();
+  const double start = seconds();
+  try {
+    database_.execute("BEGIN IMMEDIATE");
+    for (const CaseResult& result : waiting_) insert(result);
+    for (const auto& batch : batches_) insert(*batch);
+    database_.execute("COMMIT");
+  } catch (const DatabaseBusy&) {
+    take_back();
+    return false;
+  } catch (...) {
+    take_back();
+    throw;
+  }
+  for (const CaseResult& result : waiting_) there_[result.number - 1] = result.outcome;
+  for (const auto& batch : batches_) note_cases(*batch, there_);
+  waiting_.clear();
+  batches_.clear();
+  written_ = seconds();
+  pause_ = std::clamp(5 * (written_ - start), kBatch, kLongestPause);
+  busy_since_ = 0.0;
+  return true;
+}
+
+void StudyWriter::insert(const CaseResult& result) {
+  if (there_[result.number - 1]) inserts_->remove.bind(whole(result.number)).run();
+  insert_case(*inserts_, plan_, result);
+}
+
+void StudyWriter::insert(const Database& batch) {
+  CasesThere its(there_.size());
+  for (const std::size_t i : note_cases(batch, its))
+    if (there_[i]) inserts_->remove.bind(whole(i + 1)).run();
+  for (const std::string& table : study_tables(batch))
+    if (!describes_study(table)) copy_table(batch, database_, table);
+}
+
+void StudyWriter::take_back() {
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const std::exception&) {
+    // it was taken back already
+  }
+}
+
+void StudyWriter::wait_or_fail() {
+  const double now = seconds();
+  if (busy_since_ <= 0.0) busy_since_ = now;
+  if (now - busy_since_ > kLongestWait)
+    throw WriteError(
+        fmt::format("{}: another program has read it for {:.0f} minutes; the same command goes on when it "
+                    "has ended",
+                    database_.path(), kLongestWait / 60));
+  written_ = now;
+}
 
 }  // namespace dea

@@ -3,9 +3,11 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "io/study/database.h"
 #include "src/study/case.h"
 #include "src/study/plan.h"
 
@@ -27,11 +29,9 @@ struct ShardCases {
 };
 ShardCases shard_cases(std::size_t cases, int shard, int shards);
 
-/// What a file has of a case.
-enum class CaseThere : char { Missing, Solved, Failed, Refused };
-
 /// "solved", "failed", "refused".
 const char* name(CaseResult::Outcome outcome);
+CaseResult::Outcome outcome_of(const std::string& word);
 
 /// Size and CRC-32 of a file's bytes: they notice a file that was edited, which is all that is asked of them (nobody
 /// forges the inputs of a study), and zlib is linked anyway. Throws InputError.
@@ -46,6 +46,11 @@ bool has_content(const std::string& path);
 /// Where a study's writer keeps its results for somebody else's file: nowhere on disk.
 inline constexpr const char* kInMemory = ":memory:";
 
+/// Per case of a plan: what a file has of it; none: it lacks the case.
+using CasesThere = std::vector<std::optional<CaseResult::Outcome>>;
+
+struct StudyInserts;
+
 /// Writes the results of cases as they come. Each is in the file whole or not at all.
 class StudyWriter {
  public:
@@ -56,10 +61,9 @@ class StudyWriter {
   StudyWriter(StudyWriter&&) = delete;
 
   /// Called before each time of writing; what it throws ends the writing, and what waited is not written. May be empty.
-  void before_writing(std::function<void()> check);
+  std::function<void()> before_writing;
 
-  /// Per case of the plan.
-  const std::vector<CaseThere>& there() const;
+  const CasesThere& there() const { return there_; }
   /// Takes a result; one that the file has of this case is replaced. Results are written together, every half second.
   /// Throws WriteError: what was written before stays.
   void add(CaseResult&& result);
@@ -72,8 +76,23 @@ class StudyWriter {
   std::string packed() const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  static constexpr double kBatch = 0.5;  // between two times of writing [s]
+  void write_if_due();
+  bool write();  // all that waits, at once; false: another program reads the file
+  void insert(const CaseResult& result);
+  void insert(const Database& batch);
+  void take_back();
+  void wait_or_fail();
+
+  Database database_;
+  const Plan& plan_;
+  std::unique_ptr<StudyInserts> inserts_;
+  CasesThere there_;
+  std::vector<CaseResult> waiting_;
+  std::vector<std::unique_ptr<Database>> batches_;  // that wait
+  double written_ = 0.0;                            // when something was written last [s]
+  double pause_ = kBatch;    // until the next time: where writing is slow, it shall not take most of the time [s]
+  double busy_since_ = 0.0;  // when somebody began to keep us from it; 0: nobody does
 };
 
 /// A new file with all that these files hold. What none of them has: cases as ranges, "120, 340-399", and shards;

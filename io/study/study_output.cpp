@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "io/study/database.h"
 #include "io/study/read_study.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
@@ -85,14 +84,6 @@ class InputWatch {
   std::vector<State> as_read_;
 };
 
-/// Indices of the cases that are to be solved.
-std::vector<std::size_t> cases_to_solve(const std::vector<CaseThere>& there, const ShardCases& shard, bool again) {
-  std::vector<std::size_t> todo;
-  for (std::size_t i = shard.first; i < shard.last; ++i)
-    if (there[i] == CaseThere::Missing || (again && there[i] != CaseThere::Solved)) todo.push_back(i);
-  return todo;
-}
-
 }  // namespace
 
 void check_study_name(const std::string& option, const std::string& path) {
@@ -140,7 +131,9 @@ OpenStudy open_study(const Study& study, const StudyOutput& output) {
     throw StudyBusy(busy.what());
   }
   open.cases = shard_cases(study.plan.cases.size(), output.shard.number, output.shard.of);
-  open.todo = cases_to_solve(open.writer->there(), open.cases, output.again);
+  const CasesThere& there = open.writer->there();
+  for (std::size_t i = open.cases.first; i < open.cases.last; ++i)
+    if (!there[i] || (output.again && there[i] != CaseResult::Outcome::Solved)) open.todo.push_back(i);
   return open;
 }
 
@@ -152,7 +145,7 @@ void solve_study(const Study& study, OpenStudy& open, const std::function<void(c
     on_case(end);
   };
   const InputWatch inputs(study.identity);
-  open.writer->before_writing([&inputs] { inputs.check(); });
+  open.writer->before_writing = [&inputs] { inputs.check(); };
   try {
     run_study(study.plan, open.todo, options);
   } catch (const InputChanged&) {

@@ -94,50 +94,40 @@ Line line_of(const StudyRequest& r) {
   return line;
 }
 
-/// Values that are alike are looked at once; a value that cannot be is a fault of the line or of its row.
-class ValueCheck {
- public:
-  ValueCheck(const Plan& plan, const Line& line, const std::optional<CaseTable>& table)
-      : plan_(plan), line_(line), table_(table), seen_(plan.factors.size()) {}
+/// A value that cannot be is a fault of its row or of the line.
+[[noreturn]] void refuse_value(const Plan& plan, const Line& line, const std::optional<CaseTable>& table,
+                               std::size_t factor, const std::string& value, const std::string& why) {
+  const std::string& name = plan.factors[factor].name;
+  for (std::size_t k = 0; table && k < table->names.size(); ++k)
+    for (std::size_t r = 0; lower_case(table->names[k]) == lower_case(name) && r < table->rows.size(); ++r)
+      if (table->rows[r][k] == value)
+        throw InputError(table->path, table->lines[r], fmt::format("column \"{}\": {}", name, why));
+  throw UsageError(Fault{.given = line.factor_words[factor], .found = fmt::format("value {}: {}", value, why)});
+}
 
-  void check(const PlannedCase& c) {
-    for (std::size_t i = 0; i < plan_.factors.size(); ++i) {
-      const Factor& f = plan_.factors[i];
+/// The files that values of factors name; values that are alike are looked at once.
+std::vector<NamedPath> check_values(const Plan& plan, const Line& line, const std::optional<CaseTable>& table) {
+  std::vector<NamedPath> files;
+  std::vector<std::set<std::string>> seen(plan.factors.size());
+  for (const PlannedCase& c : plan.cases)
+    for (std::size_t i = 0; i < plan.factors.size(); ++i) {
+      const Factor& f = plan.factors[i];
       const bool drawn = f.spread.kind != Spread::Kind::None;  // all of them differ
-      if (!drawn && !seen_[i].insert(c.values[i]).second) continue;
-      const std::string text = f.before + c.values[i] + f.after;
+      if (!drawn && !seen[i].insert(c.values[i]).second) continue;
       try {
         Settings settings;
-        set_value(settings, split_key(*find_setting_option(f.option), text));
+        set_value(settings, split_key(*find_setting_option(f.option), f.before + c.values[i] + f.after));
         for (const NamedPath& file : table_files(settings)) files.push_back(file);
       } catch (const BadValue& bad) {
-        refuse(i, c.values[i], bad.what());
+        refuse_value(plan, line, table, i, c.values[i], bad.what());
       }
     }
-  }
-
-  std::vector<NamedPath> files;  ///< that values name
-
- private:
-  [[noreturn]] void refuse(std::size_t factor, const std::string& value, const std::string& why) const {
-    const std::string& name = plan_.factors[factor].name;
-    for (std::size_t k = 0; table_ && k < table_->names.size(); ++k)
-      for (std::size_t r = 0; lower_case(table_->names[k]) == lower_case(name) && r < table_->rows.size(); ++r)
-        if (table_->rows[r][k] == value)
-          throw InputError(table_->path, table_->lines[r], fmt::format("column \"{}\": {}", name, why));
-    throw UsageError(Fault{.given = line_.factor_words[factor], .found = fmt::format("value {}: {}", value, why)});
-  }
-
-  const Plan& plan_;
-  const Line& line_;
-  const std::optional<CaseTable>& table_;
-  std::vector<std::set<std::string>> seen_;
-};
+  return files;
+}
 
 /// Throws what `dea run` would say of the options before it reads the model. Adds the tables that they name.
 void check_options(Study& study, const Line& line, const std::optional<CaseTable>& table, Settings settings) {
-  ValueCheck check(study.plan, line, table);
-  for (const PlannedCase& c : study.plan.cases) check.check(c);
+  const std::vector<NamedPath> of_values = check_values(study.plan, line, table);
   try {
     std::vector<SettingValue> values;
     for (const CaseOption& o : options_of(study.plan, study.plan.cases.front()))
@@ -147,7 +137,7 @@ void check_options(Study& study, const Line& line, const std::optional<CaseTable
     throw UsageError(bad.what());
   }
   std::vector<NamedPath> files = table_files(settings);
-  files.insert(files.end(), check.files.begin(), check.files.end());
+  files.insert(files.end(), of_values.begin(), of_values.end());
   std::set<std::string> known;
   for (const NamedPath& file : files)
     if (known.insert(file.path).second) study.inputs.push_back(file);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "io/study/reading.h"
@@ -12,29 +13,20 @@ namespace dea {
 
 namespace {
 
-/// Numbers places as they come up.
-class Places {
- public:
-  explicit Places(std::vector<StudyPlace>& places) : places_(places) {}
-  int of(int contact_id, std::string contact, std::string part) {
-    const auto key = std::make_pair(std::make_pair(contact_id, contact), part);
-    const auto found = known_.find(key);
-    if (found != known_.end()) return found->second;
-    places_.push_back({contact_id, std::move(contact), std::move(part)});
-    return known_[key] = static_cast<int>(places_.size()) - 1;
-  }
+/// Places are numbered as they come up.
+using Places = std::map<std::tuple<int, std::string, std::string>, int>;
 
- private:
-  std::vector<StudyPlace>& places_;
-  std::map<std::pair<std::pair<int, std::string>, std::string>, int> known_;
-};
-
-void add_rows(const Database& d, const std::string& sql, std::size_t names, Places& places, StudyRows& rows) {
+void add_rows(const Database& d, const std::string& sql, Places& places, StudyRows& rows) {
   for (Statement row(d, sql); row.step();) {
     rows.case_id.push_back(row.integer(0));
     rows.state.push_back(static_cast<int>(row.integer(1)));
-    rows.place.push_back(places.of(static_cast<int>(row.integer(2)), row.text(3), row.text(4)));
-    for (std::size_t i = 0; i < names; ++i) rows.numbers[i].push_back(row.number(static_cast<int>(i) + 5));
+    const StudyPlace at{static_cast<int>(row.integer(2)), row.text(3), row.text(4)};
+    const auto [place, is_new] =
+        places.insert({{at.contact_id, at.contact, at.part}, static_cast<int>(rows.places.size())});
+    if (is_new) rows.places.push_back(at);
+    rows.place.push_back(place->second);
+    for (std::size_t i = 0; i < rows.numbers.size(); ++i)
+      rows.numbers[i].push_back(row.number(static_cast<int>(i) + 5));
   }
 }
 
@@ -59,105 +51,79 @@ void sort_places(StudyRows& rows) {
 }  // namespace
 
 std::vector<StudyState> read_states(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<StudyState> states;
-    for (Statement row(d, "SELECT case_id, state, time, outcome, message FROM states ORDER BY case_id, state");
-         row.step();)
-      states.push_back({row.integer(0), static_cast<int>(row.integer(1)), row.number(2), row.text(3), row.text(4)});
-    return states;
-  });
+  return rows_of(path, "SELECT case_id, state, time, outcome, message FROM states ORDER BY case_id, state",
+                 [](const Statement& row) -> StudyState {
+                   return {row.integer(0), static_cast<int>(row.integer(1)), row.number(2), row.text(3), row.text(4)};
+                 });
 }
 
-StudyRows read_rows(const std::string& path, const std::vector<std::string>& names) {
+StudyRows read_rows(const std::string& path, const std::vector<std::string>& names,
+                    const std::vector<std::string>& of_inside) {
+  std::string wanted, inside, no_inside;
+  for (const std::string& name : names) wanted += ", t." + quoted_name(name);
+  for (const std::string& name : of_inside) {
+    inside += ", i." + quoted_name(name);
+    no_inside += ", NULL";
+  }
   return reading(path, [&](const Database& d) {
-    std::string wanted;
-    for (const std::string& name : names) wanted += ", " + quoted_name(name);
     StudyRows rows;
-    rows.numbers.resize(names.size());
-    Places places(rows.places);
+    rows.numbers.resize(names.size() + of_inside.size());
+    Places places;
+    add_rows(
+        d,
+        fmt::format("SELECT t.case_id, t.state, t.contact_id, t.contact, ''{}{} FROM statistics t LEFT JOIN inside i "
+                    "ON i.case_id = t.case_id AND i.state = t.state AND i.contact_id = t.contact_id "
+                    "ORDER BY t.case_id, t.state, t.contact_id",
+                    wanted, inside),
+        places, rows);
     add_rows(d,
-             fmt::format("SELECT case_id, state, contact_id, contact, ''{} FROM statistics "
-                         "ORDER BY case_id, state, contact_id",
-                         wanted),
-             names.size(), places, rows);
-    add_rows(d,
-             fmt::format("SELECT case_id, state, contact_id, contact, part{} FROM parts "
-                         "ORDER BY case_id, state, contact_id, part_id",
-                         wanted),
-             names.size(), places, rows);
+             fmt::format("SELECT t.case_id, t.state, t.contact_id, t.contact, t.part{}{} FROM parts t "
+                         "ORDER BY t.case_id, t.state, t.contact_id, t.part_id",
+                         wanted, no_inside),
+             places, rows);
     sort_places(rows);
     return rows;
   });
 }
 
-StudyRows read_inside(const std::string& path, const std::vector<std::string>& names) {
-  return reading(path, [&](const Database& d) {
-    std::string wanted;
-    for (const std::string& name : names) wanted += ", i." + quoted_name(name);
-    StudyRows rows;
-    rows.numbers.resize(names.size());
-    Places places(rows.places);
-    add_rows(d,
-             fmt::format("SELECT i.case_id, i.state, i.contact_id, t.contact, ''{} FROM inside i JOIN statistics t "
-                         "ON t.case_id = i.case_id AND t.state = i.state AND t.contact_id = i.contact_id "
-                         "ORDER BY i.case_id, i.state, i.contact_id",
-                         wanted),
-             names.size(), places, rows);
-    return rows;
-  });
-}
-
 std::vector<StudyContact> read_contacts(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<StudyContact> contacts;
-    for (Statement row(d, "SELECT DISTINCT contact_id, contact, source, target FROM statistics ORDER BY 1, 2, 3, 4");
-         row.step();)
-      contacts.push_back({static_cast<int>(row.integer(0)), row.text(1), row.text(2), row.text(3)});
-    return contacts;
-  });
-}
-
-std::vector<StudyContactArea> read_contact_areas(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<StudyContactArea> areas;
-    for (Statement row(d,
-                       "SELECT case_id, state, contact_id, contact, source, facet_contact_area FROM statistics "
-                       "ORDER BY case_id, state, contact_id");
-         row.step();)
-      areas.push_back({row.integer(0), static_cast<int>(row.integer(1)), static_cast<int>(row.integer(2)), row.text(3),
-                       row.text(4), row.number(5)});
-    return areas;
-  });
+  return rows_of(path, "SELECT DISTINCT contact_id, contact, source, target FROM statistics ORDER BY 1, 2, 3, 4",
+                 [](const Statement& row) -> StudyContact {
+                   return {row.text(1), row.text(2), row.text(3)};
+                 });
 }
 
 std::vector<StudyWarning> read_warnings(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<StudyWarning> warnings;
-    for (Statement row(d, "SELECT case_id, code, contact, surface, body, text FROM warnings ORDER BY case_id, number");
-         row.step();)
-      warnings.push_back({row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.text(5)});
-    return warnings;
-  });
+  return rows_of(path, "SELECT case_id, code, contact, surface, body, text FROM warnings ORDER BY case_id, number",
+                 [](const Statement& row) -> StudyWarning {
+                   return {row.integer(0), row.text(1), row.text(2), row.text(3), row.text(4), row.text(5)};
+                 });
 }
 
-std::vector<StudyFieldKey> list_fields(const std::string& path) {
-  return reading(path, [](const Database& d) {
-    std::vector<StudyFieldKey> keys;
-    for (Statement row(d, "SELECT case_id, state, contact_id FROM fields ORDER BY case_id, state, contact_id");
-         row.step();)
-      keys.push_back({row.integer(0), static_cast<int>(row.integer(1)), static_cast<int>(row.integer(2))});
-    return keys;
-  });
+std::vector<StudyFieldRow> list_fields(const std::string& path) {
+  return rows_of(path,
+                 "SELECT f.case_id, f.state, f.contact_id, c.model_id, s.outcome, t.contact, t.source, "
+                 "t.facet_contact_area FROM fields f JOIN cases c USING (case_id) JOIN states s USING (case_id, state) "
+                 "JOIN statistics t USING (case_id, state, contact_id) ORDER BY f.case_id, f.state, f.contact_id",
+                 [](const Statement& row) -> StudyFieldRow {
+                   return {{row.integer(0), static_cast<int>(row.integer(1)), static_cast<int>(row.integer(2))},
+                           static_cast<int>(row.integer(3)) - 1,
+                           row.text(4),
+                           row.text(5),
+                           row.text(6),
+                           row.number(7)};
+                 });
 }
 
-void read_fields(const std::string& path, const std::function<bool(const StudyFieldKey&)>& wanted,
-                 const std::function<void(const StudyFieldKey&, std::vector<float>&&)>& each) {
+void read_fields(const std::string& path, const std::vector<StudyFieldKey>& keys,
+                 const std::function<void(std::size_t, std::vector<float>&&)>& each) {
   reading(path, [&](const Database& d) {
-    for (Statement row(d,
-                       "SELECT case_id, state, contact_id, pressure FROM fields ORDER BY case_id, state, contact_id");
-         row.step();) {
-      const StudyFieldKey key{row.integer(0), static_cast<int>(row.integer(1)), static_cast<int>(row.integer(2))};
-      if (wanted(key)) each(key, unpacked<float>(d, row.bytes(3)));
+    d.execute("BEGIN");  // one state of it
+    Statement row(d, "SELECT pressure FROM fields WHERE case_id = ? AND state = ? AND contact_id = ?");
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      row.bind(keys[i].case_id).bind(std::int64_t{keys[i].state}).bind(std::int64_t{keys[i].contact_id});
+      if (row.step()) each(i, unpacked<float>(d, row.bytes(0)));
+      row.reset();
     }
     return 0;
   });

@@ -30,30 +30,18 @@ struct StudyRows {
   std::vector<std::int64_t> case_id;
   std::vector<int> state;                    ///< from 1
   std::vector<int> place;                    ///< index
-  std::vector<std::vector<double>> numbers;  ///< one per name; NaN: NULL
+  std::vector<std::vector<double>> numbers;  ///< one per name, those of the inside last; NaN: NULL
 };
-/// Throws InputError.
-StudyRows read_rows(const std::string& path, const std::vector<std::string>& names);
-
-/// Columns of the table `inside`, a row per case, state and contact. Throws InputError.
-StudyRows read_inside(const std::string& path, const std::vector<std::string>& names);
+/// `of_inside`: columns of the table `inside`, of whole contacts. Throws InputError.
+StudyRows read_rows(const std::string& path, const std::vector<std::string>& names,
+                    const std::vector<std::string>& of_inside = {});
 
 /// The two bodies of a contact: the one with springs, and the other.
 struct StudyContact {
-  int contact_id = 0;
   std::string contact, source, target;
 };
 /// Each once; of models that name them otherwise, each time.
 std::vector<StudyContact> read_contacts(const std::string& path);
-
-/// facet_contact_area of a row of `statistics`: what the edge of contact of its map encloses.
-struct StudyContactArea {
-  std::int64_t case_id = 0;
-  int state = 0, contact_id = 0;
-  std::string contact, source;
-  double area = 0.0;
-};
-std::vector<StudyContactArea> read_contact_areas(const std::string& path);
 
 struct StudyWarning {
   std::int64_t case_id = 0;
@@ -61,15 +49,22 @@ struct StudyWarning {
 };
 std::vector<StudyWarning> read_warnings(const std::string& path);
 
-/// A row of `fields`, without its pressures.
+/// A row of `fields`.
 struct StudyFieldKey {
   std::int64_t case_id = 0;
   int state = 0, contact_id = 0;
 };
+/// The same without its pressures, and what belongs to it.
+struct StudyFieldRow {
+  StudyFieldKey key;
+  int model = 0;  ///< index
+  std::string outcome, contact, source;
+  double contact_area = 0.0;  ///< facet_contact_area: what the edge of contact of its map encloses
+};
 /// In the order of cases, states and contacts.
-std::vector<StudyFieldKey> list_fields(const std::string& path);
-/// Pressures at vertices of all fields that `wanted` says, in the same order.
-void read_fields(const std::string& path, const std::function<bool(const StudyFieldKey&)>& wanted,
-                 const std::function<void(const StudyFieldKey&, std::vector<float>&&)>& each);
+std::vector<StudyFieldRow> list_fields(const std::string& path);
+/// Pressures at vertices of some fields, in the order of `keys`, by index; not of those that are not there any more.
+void read_fields(const std::string& path, const std::vector<StudyFieldKey>& keys,
+                 const std::function<void(std::size_t key, std::vector<float>&&)>& each);
 
 }  // namespace dea

@@ -176,11 +176,25 @@ CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_o
 
 }  // namespace
 
-const std::vector<std::string>& study_tables() {
-  static const std::vector<std::string> tables = {"study",  "options",      "inputs", "factors",    "models",
-                                                  "cases",  "warnings",     "states", "statistics", "parts",
-                                                  "inside", "inside_parts", "poses",  "surfaces",   "fields"};
+std::vector<std::string> study_tables(const Database& database) {
+  std::vector<std::string> tables;
+  for (Statement rows(database, "SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid"); rows.step();)
+    tables.push_back(rows.text(0));
   return tables;
+}
+
+void check_study(const Database& d) {
+  const auto number = [&](const char* pragma) {
+    Statement row(d, pragma);
+    return row.step() ? row.integer(0) : 0;
+  };
+  if (number("PRAGMA application_id") != kStudyApplication)
+    throw InputError(fmt::format(
+        "{}: found a database of another program, expected a study's file (dea study -o FILE.db)", d.path()));
+  const std::int64_t version = number("PRAGMA user_version");
+  if (version != kStudyVersion)
+    throw InputError(fmt::format("{}: found dea.study/{}, expected dea.study/{}: the program that made it reads it",
+                                 d.path(), version, kStudyVersion));
 }
 
 void make_study_tables(Database& database, const std::vector<Factor>& factors, bool inside) {
@@ -197,11 +211,8 @@ bool describes_study(const std::string& table) {
 
 void copy_table(const Database& from, const Database& to, const std::string& table) {
   Statement rows(from, fmt::format("SELECT * FROM {}", table));
-  std::string marks = "?";
-  for (int i = 1; i < rows.columns(); ++i) marks += ",?";
   // a surface is in every file
-  Statement insert(to,
-                   fmt::format("INSERT {} INTO {} VALUES ({})", table == "surfaces" ? "OR IGNORE" : "", table, marks));
+  Statement insert(to, insert_sql(to, table, table == "surfaces" ? "OR IGNORE" : ""));
   while (rows.step()) {
     for (int i = 0; i < rows.columns(); ++i) insert.bind(rows, i);
     insert.run();
@@ -212,10 +223,8 @@ void check_factor_names(const std::vector<Factor>& factors) {
   Database none(":memory:", Database::For::Writing);
   make_study_tables(none, {}, true);
   std::set<std::string> taken;
-  for (const char* table : {"cases", "results", "part_results"}) {
-    const Statement columns(none, fmt::format("SELECT * FROM {}", table));
-    for (int i = 0; i < columns.columns(); ++i) taken.insert(lower_case(columns.name(i)));
-  }
+  for (const char* all : {"SELECT * FROM cases", "SELECT * FROM results", "SELECT * FROM part_results"})
+    for (const std::string& name : column_names(none, all)) taken.insert(lower_case(name));
   for (const Factor& f : factors)
     if (taken.count(lower_case(f.name)) > 0)
       throw UsageError(

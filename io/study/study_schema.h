@@ -13,8 +13,11 @@ inline constexpr int kStudyApplication = 0x44454153;
 /// The number in "dea.study/1", and the database's user_version. Later programs only add tables and columns to it.
 inline constexpr int kStudyVersion = 2;
 
-/// In the order in which rows may be added, the ones that others refer to first.
-const std::vector<std::string>& study_tables();
+/// Those of a file, in the order in which rows may be added, the ones that others refer to first.
+std::vector<std::string> study_tables(const Database& database);
+
+/// Throws InputError: not a study, or one of another version.
+void check_study(const Database& database);
 
 /// Makes all tables and views. A factor is a column of `cases` and of the views.
 /// `inside`: the views also have what cases tell of the inside of layers.

@@ -151,7 +151,7 @@ class StudyResults:
 
     def failed(self):
         """The cases that are no solution, as dictionaries: case_id, model, case_outcome, case_message, the factors."""
-        names = "".join(', c."' + name.replace('"', '""') + '"' for name, *_ in self._head[4])
+        names = "".join(', c."' + name.replace('"', '""') + '"' for name in self._head[4])
         return self._rows(f"SELECT c.case_id, m.path AS model, c.case_outcome, c.case_message{names} FROM cases c "
                           "JOIN models m USING (model_id) WHERE c.case_outcome <> 'solved' ORDER BY c.case_id")
 

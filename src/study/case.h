@@ -41,7 +41,7 @@ struct CaseSurface {
 
 struct CaseResult {
   std::size_t number = 0;  ///< from 1
-  enum class Outcome {
+  enum class Outcome : char {
     Solved,  ///< every state that was asked for is a solution
     Failed,  ///< some state is none
     Refused  ///< `message`: why it could not be read or begun

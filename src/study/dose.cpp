@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "src/base/error.h"
 #include "src/results/comparison.h"
@@ -31,14 +32,10 @@ void require_positive(const char* what, double value) {
 
 Dose cycle_dose(const std::vector<double>& times, const std::vector<std::vector<double>>& pressures, double threshold) {
   require_cycle(times, pressures, threshold);
-  const TimeSums sums = over_time(times, pressures, threshold);
-  Dose dose{sums.exposure, sums.dose, 0};
-  for (std::size_t i = 0; i < dose.exposure.size(); ++i) {
-    if (std::isfinite(dose.exposure[i])) continue;
-    dose.exposure[i] = dose.overpressure[i] = kNaN;
-    ++dose.left_out;
-  }
-  return dose;
+  TimeSums sums = over_time(times, pressures, threshold);
+  for (std::size_t i = 0; i < sums.exposure.size(); ++i)
+    if (!std::isfinite(sums.exposure[i])) sums.exposure[i] = sums.dose[i] = kNaN;
+  return {std::move(sums.exposure), std::move(sums.dose)};
 }
 
 Dose chronic_dose(const std::vector<double>& times, const std::vector<std::vector<double>>& pressures, double threshold,

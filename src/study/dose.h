@@ -15,7 +15,6 @@ namespace dea {
 /// Per place (facet or vertex). NaN: a state's pressure of this place is.
 struct Dose {
   std::vector<double> exposure, overpressure;
-  std::size_t left_out = 0;  ///< places with NaN
 };
 
 /// Of one cycle, from the first state to the last [pressure x the model's time]. `times`: of two or more states,

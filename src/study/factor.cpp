@@ -118,12 +118,11 @@ Spread parse_spread(const std::string& text) {
   const std::size_t open = text.find('(');
   const std::string word = lower_case(trimmed(text.substr(0, open)));
   Spread spread;
-  if (word == "uniform") spread.kind = Spread::Kind::Uniform;
-  if (word == "normal") spread.kind = Spread::Kind::Normal;
-  if (word == "lognormal") spread.kind = Spread::Kind::LogNormal;
+  for (std::size_t kind = 1; kind < kSpreadWords.size(); ++kind)
+    if (word == kSpreadWords[kind]) spread.kind = static_cast<Spread::Kind>(kind);
   if (spread.kind == Spread::Kind::None)
     throw BadValue(fmt::format("found \"{{{}}}\"{}, expected {}", text,
-                               did_you_mean(word, {"uniform", "normal", "lognormal"}), kBraces));
+                               did_you_mean(word, {kSpreadWords.begin() + 1, kSpreadWords.end()}), kBraces));
   const std::string inside = text.substr(open + 1, text.size() - open - 2);
   const std::vector<double> numbers = text.back() == ')' ? parse_numbers(inside) : std::vector<double>();
   if (numbers.size() != 2) throw bad_value("{" + text + "}", fmt::format("two numbers: {{{}(a,b)}}", word));

@@ -58,34 +58,23 @@ void solve(const MatrixXd& X, const VectorXd& y, Regression& fit) {
   const MatrixXd Q = orthonormal_columns(X);
   const PivotedQr qr = pivoted_qr(Q.transpose() * X, kDependent);
   const Eigen::Index d = X.cols(), rank = qr.rank;
-  fit.rank = static_cast<int>(rank);
   const VectorXd c = (qr.Q.transpose() * (Q.transpose() * y)).head(rank);
   fit.r_squared = std::min(c.squaredNorm() / y.squaredNorm(), 1.0);
-  if (rank > 0) {
-    const MatrixXd R = qr.R.topLeftCorner(rank, rank);
-    const VectorXd b = solve_upper(R, c);
-    for (Eigen::Index i = 0; i < rank; ++i) fit.coefficients[at(qr.order[i])] = b[i];
-    for (Eigen::Index k = rank; k < d; ++k) {
-      const VectorXd made_up = solve_upper(R, qr.R.col(k).head(rank));  // column k of these others
-      for (Eigen::Index i = 0; i < rank; ++i)
-        if (std::abs(made_up[i]) > std::sqrt(kDependent)) fit.coefficients[at(qr.order[i])] = kNaN;
-    }
+  if (rank == 0) return;
+  const MatrixXd R = qr.R.topLeftCorner(rank, rank);
+  const VectorXd b = solve_upper(R, c);
+  for (Eigen::Index i = 0; i < rank; ++i) fit.coefficients[at(qr.order[i])] = b[i];
+  for (Eigen::Index k = rank; k < d; ++k) {
+    const VectorXd made_up = solve_upper(R, qr.R.col(k).head(rank));  // column k of these others
+    for (Eigen::Index i = 0; i < rank; ++i)
+      if (std::abs(made_up[i]) > std::sqrt(kDependent)) fit.coefficients[at(qr.order[i])] = kNaN;
   }
-  for (std::size_t k = 0; k < fit.coefficients.size(); ++k)
-    if (std::isnan(fit.coefficients[k])) fit.undetermined.push_back(k);
 }
 
 /// Derivative at x[1] of the parabola through three points.
 double central_slope(const double (&x)[3], const double (&y)[3]) {
   const double before = x[1] - x[0], after = x[2] - x[1];
   return (after * ((y[1] - y[0]) / before) + before * ((y[2] - y[1]) / after)) / (before + after);
-}
-
-std::vector<std::size_t> by_rising(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  return order;
 }
 
 /// The slope at place `i` of rising values.
@@ -128,7 +117,9 @@ Regression regression(const std::vector<std::vector<double>>& factors, const std
 }
 
 std::vector<double> ranks(const std::vector<double>& values) {
-  const std::vector<std::size_t> order = by_rising(values);
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
   std::vector<double> rank(values.size());
   for (std::size_t from = 0, to = 1; from < order.size(); from = to++) {
     while (to < order.size() && values[order[to]] == values[order[from]]) ++to;
@@ -137,54 +128,37 @@ std::vector<double> ranks(const std::vector<double>& values) {
   return rank;
 }
 
-RankCorrelation rank_correlation(const std::vector<double>& factor, const std::vector<double>& outputs) {
+double rank_correlation(const std::vector<double>& factor, const std::vector<double>& outputs) {
   const CompletePairs pairs = complete_pairs(factor, outputs);
-  RankCorrelation result;
-  result.cases = pairs.index.size();
-  result.left_out = pairs.left_out;
-  result.rho = correlation(ranks(pairs.first), ranks(pairs.second), std::vector<double>(result.cases, 1.0));
-  return result;
+  return correlation(ranks(pairs.first), ranks(pairs.second), std::vector<double>(pairs.first.size(), 1.0));
 }
 
-std::vector<Slope> slopes(const std::vector<double>& values, const std::vector<double>& outputs) {
-  require_count("outputs", outputs.size(), values.size());
-  require_finite(values);
-  const std::vector<std::size_t> order = by_rising(values);
-  std::vector<double> x, y;
-  for (std::size_t i : order) {
-    if (!x.empty() && x.back() == values[i])
-      throw UsageError(fmt::format("two cases have the value {} of a factor, expected one of each value", values[i]));
-    x.push_back(values[i]);
-    y.push_back(outputs[i]);
-  }
-  std::vector<Slope> result(values.size());
-  for (std::size_t i = 0; i < order.size(); ++i) result[order[i]] = slope_at(i, x, y);
-  return result;
-}
-
-std::vector<OneAtATime> one_at_a_time(const std::vector<std::vector<double>>& factors,
-                                      const std::vector<double>& outputs, std::size_t base) {
+std::vector<std::optional<Slope>> slopes_about(const std::vector<std::vector<double>>& factors,
+                                               const std::vector<double>& outputs, std::size_t base) {
   require_lists(factors, outputs.size());
   for (const std::vector<double>& factor : factors) require_finite(factor);
   if (base >= outputs.size())
     throw UsageError(fmt::format("base case {} of {} cases, expected one of them", base + 1, outputs.size()));
-  std::vector<OneAtATime> result(factors.size());
+  std::vector<std::vector<std::size_t>> cases(factors.size());  // that differ from the base in this factor alone
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const int varied = varied_factor(factors, i, base);
     for (std::size_t k = 0; k < factors.size(); ++k)
-      if (varied == static_cast<int>(k) || varied == -1) result[k].cases.push_back(i);
+      if (varied == static_cast<int>(k) || varied == -1) cases[k].push_back(i);
   }
+  std::vector<std::optional<Slope>> result(factors.size());
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    OneAtATime& one = result[k];
-    std::stable_sort(one.cases.begin(), one.cases.end(),
+    std::stable_sort(cases[k].begin(), cases[k].end(),
                      [&](std::size_t a, std::size_t b) { return factors[k][a] < factors[k][b]; });
     std::vector<double> x, y;
-    for (std::size_t i : one.cases) {
+    std::size_t place = 0;
+    for (std::size_t i : cases[k]) {
+      if (!x.empty() && x.back() == factors[k][i])
+        throw UsageError(fmt::format("two cases have the value {} of a factor, expected one of each value", x.back()));
+      if (i == base) place = x.size();
       x.push_back(factors[k][i]);
       y.push_back(outputs[i]);
-      if (!std::isfinite(outputs[i])) ++one.failed;
     }
-    one.slopes = slopes(x, y);
+    if (x.size() > 1) result[k] = slope_at(place, x, y);
   }
   return result;
 }

@@ -5,6 +5,7 @@
 // failed. Lists of other lengths are refused: UsageError.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "src/study/summary.h"
@@ -18,9 +19,6 @@ struct Regression {
   std::size_t cases = 0, left_out = 0;  ///< left out: the output or a factor is not finite
   std::vector<double> coefficients;     ///< per factor; NaN: undetermined
   double r_squared = kNaN;              ///< share of the output's variance that the fit has
-  int rank = 0;                         ///< of the factors' values; fewer than factors: some are undetermined
-  std::vector<std::size_t>
-      undetermined;  ///< factors that do not vary, or that others make up: no coefficient is theirs
 };
 /// By Householder's QR with pivoting. All coefficients and R^2 are NaN where the output does not vary, or where fewer
 /// than two cases more than factors are left, which any factors would fit.
@@ -31,11 +29,7 @@ std::vector<double> ranks(const std::vector<double>& values);
 
 /// Spearman's: Pearson's correlation of the ranks (Kendall and Gibbons 1990, Rank Correlation Methods, chapter 3, with
 /// ties). NaN where one of the two does not vary.
-struct RankCorrelation {
-  double rho = kNaN;
-  std::size_t cases = 0, left_out = 0;
-};
-RankCorrelation rank_correlation(const std::vector<double>& factor, const std::vector<double>& outputs);
+double rank_correlation(const std::vector<double>& factor, const std::vector<double>& outputs);
 
 /// d output / d factor at a value of the factor.
 struct Slope {
@@ -48,18 +42,10 @@ struct Slope {
   Kind kind = Kind::None;
   double value = kNaN;  ///< unit of the output over that of the factor
 };
-/// Per value, in the order given. A neighbour is the next larger or smaller value; it is there if its output is finite.
-/// Throws UsageError: values that are not finite or not different.
-std::vector<Slope> slopes(const std::vector<double>& values, const std::vector<double>& outputs);
-
-/// One factor varied, all others as in a base case.
-struct OneAtATime {
-  std::vector<std::size_t> cases;  ///< by rising value of the factor; the base case among them
-  std::vector<Slope> slopes;       ///< per case of these
-  std::size_t failed = 0;          ///< of these, without a finite output
-};
-/// Per factor. `base`: index of the base case. Two cases with the same values in all factors: UsageError.
-std::vector<OneAtATime> one_at_a_time(const std::vector<std::vector<double>>& factors,
-                                      const std::vector<double>& outputs, std::size_t base);
+/// Per factor, with all others as in the base case, whose index is `base`; none: no other case has them so. A neighbour
+/// is the next larger or smaller value; it is there if its output is finite. Throws UsageError: values that are not
+/// finite, or two cases with the same values in all factors.
+std::vector<std::optional<Slope>> slopes_about(const std::vector<std::vector<double>>& factors,
+                                               const std::vector<double>& outputs, std::size_t base);
 
 }  // namespace dea

@@ -32,14 +32,6 @@ double angle_to_axis(const Vector3d& x, const SurfaceFrame& frame) {
 
 }  // namespace
 
-std::vector<Vector3d> triangle_centroids(const std::vector<Vector3d>& vertices,
-                                         const std::vector<std::array<int, 3>>& triangles) {
-  std::vector<Vector3d> centroids;
-  for (const std::array<int, 3>& t : triangles)
-    centroids.push_back((vertices[at(t[0])] + vertices[at(t[1])] + vertices[at(t[2])]) / 3.0);
-  return centroids;
-}
-
 Regions sectors(const std::vector<Vector3d>& points, const Vector3d& center, const Vector3d& axis,
                 const Vector3d& start, int count) {
   constexpr double kOnAxis = 1e-9;  // of the largest distance from the axis

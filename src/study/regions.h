@@ -16,10 +16,6 @@ struct Regions {
   std::vector<std::string> names;  ///< of the regions
 };
 
-/// Centroids of triangles. `triangles`: numbers of vertices.
-std::vector<Vector3d> triangle_centroids(const std::vector<Vector3d>& vertices,
-                                         const std::vector<std::array<int, 3>>& triangles);
-
 /// `count` equal sectors about an axis. Sector 0 begins in the direction `start`, of which only what lies across the
 /// axis counts, and they go on right-handed about the axis: counter-clockwise for who looks against it. A point on the
 /// border of two belongs to the second, one on the axis to none (-1). Names: "0 to 60 degrees". `axis`, `start`: of any

@@ -1,5 +1,6 @@
 // src/study/sampling.h – values of factors drawn from their spreads.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,9 @@ struct Spread {
   double a = 0.0;  ///< Uniform: least; Normal: mean; LogNormal: mean of the logarithm
   double b = 0.0;  ///< Uniform: largest; Normal: standard deviation, > 0; LogNormal: that of the logarithm
 };
+
+/// Of each kind.
+inline constexpr std::array<const char*, 4> kSpreadWords = {"", "uniform", "normal", "lognormal"};
 
 enum class Design { Sobol, Latin, Saltelli };
 

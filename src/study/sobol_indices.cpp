@@ -68,10 +68,11 @@ bool varies(const std::vector<Row>& rows, double largest) {
                      [&](const Row& row) { return std::max(std::abs(row.a), std::abs(row.b)) > kConstant * largest; });
 }
 
-Interval between_percentiles(std::vector<double> values, double level) {
+Interval between_percentiles(std::vector<double> values) {
+  constexpr double kLevel = 0.95;  // share of the resamples within the interval
   values = finite_values(values).values;
   std::sort(values.begin(), values.end());
-  return {percentile_of_sorted(values, 0.5 * (1 - level)), percentile_of_sorted(values, 0.5 * (1 + level))};
+  return {percentile_of_sorted(values, 0.5 * (1 - kLevel)), percentile_of_sorted(values, 0.5 * (1 + kLevel))};
 }
 
 void set_intervals(SobolIndex& index, const std::vector<Row>& rows, const Bootstrap& bootstrap) {
@@ -84,8 +85,8 @@ void set_intervals(SobolIndex& index, const std::vector<Row>& rows, const Bootst
     first.push_back(e.first);
     total.push_back(e.total);
   }
-  index.first_interval = between_percentiles(std::move(first), bootstrap.level);
-  index.total_interval = between_percentiles(std::move(total), bootstrap.level);
+  index.first_interval = between_percentiles(std::move(first));
+  index.total_interval = between_percentiles(std::move(total));
 }
 
 SobolIndex index_of(const std::vector<Row>& rows, double largest, const Bootstrap& bootstrap) {
@@ -107,26 +108,21 @@ void require_design(std::size_t outputs, int dimensions, const Bootstrap& bootst
     throw UsageError(
         fmt::format("{} outputs of {} factors, expected a multiple of {}: rows A, B and one for each factor", outputs,
                     dimensions, at(dimensions) + 2));
-  if (!(bootstrap.level > 0 && bootstrap.level < 1))
-    throw UsageError(fmt::format("a level of {}, expected a share between 0 and 1", bootstrap.level));
   if (bootstrap.resamples < 0) throw UsageError(fmt::format("{} resamples, expected 0 or more", bootstrap.resamples));
 }
 
 }  // namespace
 
-SobolIndices sobol_indices(const std::vector<double>& outputs, int dimensions, const Bootstrap& bootstrap) {
+std::vector<SobolIndex> sobol_indices(const std::vector<double>& outputs, int dimensions, const Bootstrap& bootstrap) {
   require_design(outputs.size(), dimensions, bootstrap);
-  const FiniteValues finite = finite_values(outputs);
   double largest = 0.0;
-  for (double y : finite.values) largest = std::max(largest, std::abs(y));
-  SobolIndices indices;
-  indices.failed = finite.left_out;
+  for (double y : finite_values(outputs).values) largest = std::max(largest, std::abs(y));
   const std::size_t count = outputs.size() / (at(dimensions) + 2);
-  indices.factors.resize(at(dimensions));
+  std::vector<SobolIndex> indices(at(dimensions));
   // each factor by itself, so that threads change no bit
   parallel_for(at(dimensions), [&](std::size_t i) {
-    indices.factors[i] = index_of(complete_rows(outputs, count, i), largest, bootstrap);
-    indices.factors[i].left_out = count - indices.factors[i].rows;
+    indices[i] = index_of(complete_rows(outputs, count, i), largest, bootstrap);
+    indices[i].left_out = count - indices[i].rows;
   });
   return indices;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "src/base/error.h"
 #include "src/results/percentile.h"
@@ -72,16 +71,13 @@ BoxPlot box_plot(const std::vector<double>& values) {
   return b;
 }
 
-CycleBand cycle_band(std::vector<std::vector<double>> lines, double low, double high) {
-  if (!(0 <= low && low <= high && high <= 1))
-    throw UsageError(fmt::format("a band from {} to {}, expected fractions 0 <= low <= high <= 1", low, high));
+CycleBand cycle_band(const std::vector<std::vector<double>>& lines, double low, double high) {
   CycleBand band;
   for (const std::vector<double>& line : lines) require_count("a line", line.size(), lines.front().size());
-  band.lines = std::move(lines);
-  const std::size_t instants = band.lines.empty() ? 0 : band.lines.front().size();
+  const std::size_t instants = lines.empty() ? 0 : lines.front().size();
   for (std::size_t k = 0; k < instants; ++k) {
     std::vector<double> across;
-    for (const std::vector<double>& line : band.lines) across.push_back(line[k]);
+    for (const std::vector<double>& line : lines) across.push_back(line[k]);
     const std::vector<double> v = sorted(finite_values(across).values);
     const Moments m = moments_of_sorted(v);
     band.count.push_back(m.count);
@@ -120,6 +116,10 @@ std::vector<double> at_instants(const std::vector<double>& times, const std::vec
       result.push_back(values[i - 1] + (values[i] - values[i - 1]) * ((t - times[i - 1]) / (times[i] - times[i - 1])));
   }
   return result;
+}
+
+bool rises(const std::vector<double>& times) {
+  return std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(b > a); }) == times.end();
 }
 
 void require_rising(const std::vector<double>& times) {

@@ -47,14 +47,13 @@ BoxPlot box_plot(const std::vector<double>& values);
 
 /// Several subjects over the same instants: at each instant numbers of the values that are there.
 struct CycleBand {
-  std::vector<std::vector<double>> lines;  ///< subjects x instants, as given
-  std::vector<std::size_t> count;          ///< per instant, of subjects with a value there
+  std::vector<std::size_t> count;  ///< per instant, of subjects with a value there
   std::vector<double> mean, standard_deviation;
   std::vector<double> median, low, high;  ///< percentiles, type 7
 };
 /// `low`, `high`: fractions of the band's ends, 0 <= low <= high <= 1: 0.05 and 0.95 for nine tenths of the subjects.
-/// Throws UsageError: other fractions, lines of different lengths.
-CycleBand cycle_band(std::vector<std::vector<double>> lines, double low, double high);
+/// Throws UsageError: lines of different lengths.
+CycleBand cycle_band(const std::vector<std::vector<double>>& lines, double low, double high);
 
 /// Times as percent of the cycle that they span: 0 the first, 100 the last. Throws UsageError unless they rise.
 std::vector<double> percent_of_cycle(const std::vector<double>& times);
@@ -63,6 +62,8 @@ std::vector<double> percent_of_cycle(const std::vector<double>& times);
 std::vector<double> at_instants(const std::vector<double>& times, const std::vector<double>& values,
                                 const std::vector<double>& instants);
 
+/// Is each time later than the one before?
+bool rises(const std::vector<double>& times);
 /// Throws UsageError unless times are finite and each is later than the one before.
 void require_rising(const std::vector<double>& times);
 /// Throws UsageError unless `found` values stand where `expected` should: "pressures: 3 values, expected 4".

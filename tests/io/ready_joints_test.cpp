@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "io/study/joint_uses.h"
 #include "io/study/ready_joints.h"
 #include "io/study/run_study.h"
 #include "src/base/error.h"

@@ -11,7 +11,6 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/base/time_text.h"
-#include "views/study_page/study_thinning.h"
 
 namespace dea {
 
@@ -21,29 +20,33 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostNumbers = 2'000'000;  ///< on the page: 8 MB before they are packed
 constexpr std::size_t kMostLines = 300;          ///< over the cycle
-constexpr std::size_t kMostOutliers = 200;       ///< of a group, as rings
 constexpr std::size_t kMostLevels = 12;          ///< of a column whose levels have bands
 constexpr double kBandLow = 0.05, kBandHigh = 0.95;
 constexpr double kMostDraws = 3e8;  ///< rows that all bootstraps together may draw: some seconds
 
-/// `get` of each statistic, place and choice, side by side on all cores.
+/// `get` of each statistic and place.
 template <class Get>
-Json of_all_choices(const StudyNumbers& n, Get get) {
-  const std::size_t S = n.statistics.size(), P = n.places.size(), K = n.choices();
-  std::vector<Json> found(S * P * K);
-  parallel_for(found.size(), [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
+Json of_all_places(const StudyNumbers& n, Get get) {
   Json all = Json::array();
-  for (std::size_t s = 0; s < S; ++s) {
+  for (std::size_t s = 0; s < n.statistics.size(); ++s) {
     all.push_back(Json::array());
-    for (std::size_t p = 0; p < P; ++p) {
-      all.back().push_back(Json::array());
-      for (std::size_t k = 0; k < K; ++k) all.back().back().push_back(std::move(found[(s * P + p) * K + k]));
-    }
+    for (std::size_t p = 0; p < n.places.size(); ++p) all.back().push_back(get(s, p));
   }
   return all;
 }
 
-Json interval_json(const Interval& i) { return {short_number(i.low), short_number(i.high)}; }
+/// `get` of each statistic, place and choice, side by side on all cores.
+template <class Get>
+Json of_all_choices(const StudyNumbers& n, Get get) {
+  const std::size_t P = n.places.size(), K = n.choices();
+  std::vector<Json> found(n.statistics.size() * P * K);
+  parallel_for(found.size(), [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
+  return of_all_places(n, [&](std::size_t s, std::size_t p) {
+    Json choices = Json::array();
+    for (std::size_t k = 0; k < K; ++k) choices.push_back(std::move(found[(s * P + p) * K + k]));
+    return choices;
+  });
+}
 
 /// Numbers in a message differ from case to case; what is left is its kind.
 std::string kind_of(const std::string& message) {
@@ -137,93 +140,6 @@ std::vector<BandGroup> band_groups(const StudyNumbers& n) {
 
 }  // namespace
 
-Json difference_json(const MeanDifference& d, const EffectSize& e) {
-  return {{"count", {d.count[0], d.count[1]}},
-          {"mean", short_number(d.mean)},
-          {"interval", interval_json(d.interval)},
-          {"d", short_number(e.d)},
-          {"g", short_number(e.corrected)}};
-}
-
-Json box_json(const BoxPlot& b) {
-  return {{"count", b.count},
-          {"left_out", b.left_out},
-          {"least", short_number(b.least)},
-          {"low", short_number(b.lower_whisker)},
-          {"q1", short_number(b.q1)},
-          {"median", short_number(b.median)},
-          {"q3", short_number(b.q3)},
-          {"high", short_number(b.upper_whisker)},
-          {"largest", short_number(b.largest)},
-          {"mean", short_number(b.mean)},
-          {"sd", short_number(b.standard_deviation)}};
-}
-
-Json influence_of(const Influence& i, const StudyDesign& d) {
-  Json j;
-  j["r_squared"] = short_number(i.regression.r_squared);
-  j["cases"] = i.regression.cases;
-  j["left_out"] = i.regression.left_out;
-  j["factors"] = Json::array();
-  for (std::size_t k = 0; k < d.numeric.size(); ++k)
-    j["factors"].push_back({{"column", d.numeric[k]},
-                            {"coefficient", short_number(i.regression.coefficients[k])},
-                            {"rho", short_number(i.ranks[k].rho)}});
-  j["sobol"] = nullptr;
-  if (i.sobol) {
-    j["sobol"] = Json::array();
-    for (std::size_t k = 0; k < i.sobol->factors.size(); ++k) {
-      const SobolIndex& s = i.sobol->factors[k];
-      j["sobol"].push_back({{"column", d.saltelli_columns[k]},
-                            {"first", short_number(s.first)},
-                            {"first_interval", interval_json(s.first_interval)},
-                            {"total", short_number(s.total)},
-                            {"total_interval", interval_json(s.total_interval)},
-                            {"rows", s.rows},
-                            {"left_out", s.left_out}});
-    }
-  }
-  j["slopes"] = list_json(i.slopes, [](const BaseSlope& s) -> Json {
-    const char* kinds[] = {"none", "forward", "backward", "central"};
-    return {{"column", s.column},
-            {"kind", kinds[static_cast<int>(s.slope.kind)]},
-            {"at", short_number(s.at)},
-            {"slope", short_number(s.slope.value)},
-            {"relative", short_number(s.relative)}};
-  });
-  return j;
-}
-
-Json pair_json(const PairNumbers& p) {
-  const BlandAltman& b = p.agreement;
-  return {{"first", box_json(p.first)},
-          {"second", box_json(p.second)},
-          {"pairs", p.difference.pairs},
-          {"left_out", p.difference.left_out},
-          {"mean", short_number(p.difference.mean)},
-          {"sd", short_number(p.difference.standard_deviation)},
-          {"interval", interval_json(p.difference.mean_interval)},
-          {"median", short_number(p.difference.median)},
-          {"dz", short_number(p.effect.d)},
-          {"g", short_number(p.effect.corrected)},
-          {"limits", interval_json(b.limits)},
-          {"lower_interval", interval_json(b.lower_limit_interval)},
-          {"upper_interval", interval_json(b.upper_limit_interval)}};
-}
-
-Json group_json(const StudyNumbers& n, const GroupNumbers& g, const std::vector<double>& outputs) {
-  Json boxes = Json::array(), differences = Json::array();
-  for (const BoxPlot& b : g.boxes) {
-    boxes.push_back(box_json(b));
-    boxes.back()["outliers"] = Json::array();
-    for (std::size_t i = 0; i < std::min(b.outliers.size(), kMostOutliers); ++i)
-      boxes.back()["outliers"].push_back({n.cases[b.outliers[i]].number, short_number(outputs[b.outliers[i]])});
-  }
-  for (std::size_t i = 0; i < g.differences.size(); ++i)
-    differences.push_back(difference_json(g.differences[i], g.effects[i]));
-  return {{"boxes", boxes}, {"differences", differences}};
-}
-
 ShownCases shown_cases(const StudyNumbers& n) {
   const std::size_t each = n.statistics.size() * n.places.size() * n.choices();
   const std::vector<char> kept =
@@ -277,11 +193,11 @@ Json study_head_json(const StudyNumbers& n) {
   j["models"] = h.models;
   j["factors"] = list_json(h.factors, [](const Factor& f) -> Json {
     const bool drawn = f.spread.kind != Spread::Kind::None;
-    const char* kinds[] = {"", "uniform", "normal", "lognormal"};
     return {{"name", f.name},
             {"option", f.option},
             {"text", f.before + "{}" + f.after},
-            {"spread", drawn ? fmt::format("{}({},{})", kinds[static_cast<int>(f.spread.kind)], f.spread.a, f.spread.b)
+            {"spread", drawn ? fmt::format("{}({},{})", kSpreadWords[static_cast<std::size_t>(f.spread.kind)],
+                                           f.spread.a, f.spread.b)
                              : std::string()}};
   });
   j["states"] = n.states;
@@ -348,16 +264,12 @@ void add_numbers(const StudyNumbers& n, const ShownCases& shown, Json& j, PageAr
   });
   j["choices"] = Json::array();
   for (std::size_t k = 0; k < n.choices(); ++k) j["choices"].push_back(choice_title(n, k));
-  j["values"] = Json::array();
-  for (const auto& of_statistic : n.values) {
-    j["values"].push_back(Json::array());
-    for (const std::vector<double>& v : of_statistic) {
-      std::vector<float> floats;
-      for (std::size_t c : shown.cases)
-        for (std::size_t k = 0; k < n.choices(); ++k) floats.push_back(static_cast<float>(v[c * n.choices() + k]));
-      j["values"].back().push_back(arrays.add(pack_floats(floats)));
-    }
-  }
+  j["values"] = of_all_places(n, [&](std::size_t s, std::size_t p) {
+    std::vector<float> floats;
+    for (std::size_t c : shown.cases)
+      for (std::size_t k = 0; k < n.choices(); ++k) floats.push_back(static_cast<float>(n.value(s, p, c, k)));
+    return arrays.add(pack_floats(floats));
+  });
 }
 
 Json headline_table_json(const StudyNumbers& n) {
@@ -382,26 +294,18 @@ Json bands_json(const StudyNumbers& n, const ShownCases& shown, PageArrays& arra
   }
   j["drawn"] = arrays.add(pack_integers(places));
   j["all"] = drawn.size() == n.cases.size();
-  j["lines"] = Json::array();
-  for (std::size_t s = 0; s < n.statistics.size(); ++s) {
-    j["lines"].push_back(Json::array());
-    for (std::size_t p = 0; p < n.places.size(); ++p) {
-      std::vector<float> floats;
-      for (const std::vector<double>& line : study_lines(n, at_these, s, p, drawn))
-        floats.insert(floats.end(), line.begin(), line.end());
-      j["lines"].back().push_back(arrays.add(pack_floats(floats)));
-    }
-  }
-  j["groups"] = Json::array();
-  for (const BandGroup& g : band_groups(n)) {
-    Json bands = Json::array();
-    for (std::size_t s = 0; s < n.statistics.size(); ++s) {
-      bands.push_back(Json::array());
-      for (std::size_t p = 0; p < n.places.size(); ++p)
-        bands.back().push_back(band_json(cycle_band(study_lines(n, at_these, s, p, g.cases), kBandLow, kBandHigh)));
-    }
-    j["groups"].push_back({{"column", g.column}, {"level", g.level}, {"cases", g.cases.size()}, {"bands", bands}});
-  }
+  j["lines"] = of_all_places(n, [&](std::size_t s, std::size_t p) {
+    std::vector<float> floats;
+    for (const std::vector<double>& line : study_lines(n, at_these, s, p, drawn))
+      floats.insert(floats.end(), line.begin(), line.end());
+    return arrays.add(pack_floats(floats));
+  });
+  j["groups"] = list_json(band_groups(n), [&](const BandGroup& g) -> Json {
+    const auto bands = [&](std::size_t s, std::size_t p) {
+      return band_json(cycle_band(study_lines(n, at_these, s, p, g.cases), kBandLow, kBandHigh));
+    };
+    return {{"column", g.column}, {"level", g.level}, {"cases", g.cases.size()}, {"bands", of_all_places(n, bands)}};
+  });
   return j;
 }
 
@@ -419,7 +323,7 @@ Json influence_json(const StudyNumbers& n) {
   j["base"] = design.base < 0 ? Json(nullptr) : Json(n.cases[at(design.base)].number);
   j["resamples"] = bootstrap.resamples;
   j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
-    return influence_of(influence(n, design, n.outputs(s, p, k), bootstrap), design);
+    return influence_json(n, design, n.outputs(s, p, k), bootstrap);
   });
   return j;
 }
@@ -429,8 +333,7 @@ Json groups_json(const StudyNumbers& n, int column) {
   Json j;
   j["column"] = column;
   j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
-    const std::vector<double> outputs = n.outputs(s, p, k);
-    return group_json(n, group_numbers(n.columns[at(column)], outputs), outputs);
+    return group_json(n, n.columns[at(column)], n.outputs(s, p, k));
   });
   return j;
 }
@@ -446,9 +349,8 @@ Json pairs_json(const StudyNumbers& n, const StudyPairs& pairs, const ShownCases
   for (const std::array<int, 2>& pair : pairs.cases)
     if (shown.place[at(pair[0])] >= 0 && shown.place[at(pair[1])] >= 0)
       j["cases"].push_back({shown.place[at(pair[0])], shown.place[at(pair[1])]});
-  j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
-    return pair_json(pair_numbers(pairs, n.outputs(s, p, k)));
-  });
+  j["numbers"] = of_all_choices(
+      n, [&](std::size_t s, std::size_t p, std::size_t k) { return pair_json(pairs, n.outputs(s, p, k)); });
   return j;
 }
 

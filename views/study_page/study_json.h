@@ -14,13 +14,6 @@ struct ShownCases {
 };
 ShownCases shown_cases(const StudyNumbers& numbers);
 
-/// Of one statistic, place and choice; null: undefined.
-Json box_json(const BoxPlot& box);
-Json influence_of(const Influence& influence, const StudyDesign& design);
-Json group_json(const StudyNumbers& numbers, const GroupNumbers& groups, const std::vector<double>& outputs);
-Json difference_json(const MeanDifference& difference, const EffectSize& effect);
-Json pair_json(const PairNumbers& pairs);
-
 /// "3, 7-9 and 12 more" of case numbers that rise.
 std::string case_ranges(const std::vector<std::size_t>& numbers);
 

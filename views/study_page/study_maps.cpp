@@ -10,7 +10,6 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "views/map/map_scale.h"
-#include "views/study_page/study_thinning.h"
 
 namespace dea {
 
@@ -31,11 +30,11 @@ struct CaseFields {
 };
 
 std::vector<CaseFields> read_cases_fields(const std::string& path, const StudyNumbers& n, const StudyFields& fields,
-                                          const KeptFields& kept) {
+                                          const std::vector<char>& kept) {
   std::vector<CaseFields> cases;
   std::map<std::pair<std::size_t, int>, std::size_t> known;
   each_pressure(
-      path, n, fields, [&](const StudyField& f) { return kept.cases[f.c] != 0; },
+      path, n, fields, [&](const StudyField& f) { return kept[f.c] != 0; },
       [&](const StudyField& f, std::vector<double>&& pressure) {
         const auto [found, is_new] = known.emplace(std::make_pair(f.c, f.surface), cases.size());
         if (is_new) cases.push_back({f.c, f.surface, {}, {}, {}, {}, {}});
@@ -47,18 +46,11 @@ std::vector<CaseFields> read_cases_fields(const std::string& path, const StudyNu
   return cases;
 }
 
-bool is_cycle(const std::vector<double>& times, std::size_t stored) {
-  return times.size() >= 2 && stored == times.size() &&
-         std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(b > a); }) == times.end();
-}
-
 /// Sums over the cycle, where all its states are there.
 void sum_over_cycle(const StudyNumbers& n, const StudyMapOptions& options, CaseFields& f) {
   const std::vector<double>& times = n.own_times[f.c];
-  if (!is_cycle(times, f.states.size())) return;
-  f.over_cycle = over_time(times, f.pressure, std::nullopt);
-  for (double& x : f.over_cycle->exposure) x /= times.back() - times.front();
-  if (!options.dose_above) return;
+  f.over_cycle = cycle_sums(times, f.pressure);
+  if (!f.over_cycle || !options.dose_above) return;
   const double span = times.back() - times.front();
   if (options.cycles_per_year)
     f.dose = chronic_dose(times, f.pressure, *options.dose_above,
@@ -177,7 +169,6 @@ Json dose_json(const StudyNumbers& n, const StudyFields& fields, const std::vect
   j["cycles_per_year"] = options.cycles_per_year ? Json(*options.cycles_per_year) : Json(nullptr);
   j["years"] = options.years ? Json(*options.years) : Json(nullptr);
   j["cycle_seconds"] = options.cycle_seconds ? Json(*options.cycle_seconds) : Json(nullptr);
-  j["levels"] = Json::array();
   std::vector<double> levels;
   for (int i = 0; i < kDoseSteps; ++i) levels.push_back(most * i / kDoseSteps);
   j["levels"] = list_json(levels, short_number);
@@ -205,12 +196,24 @@ Json dose_json(const StudyNumbers& n, const StudyFields& fields, const std::vect
   return j;
 }
 
-/// Values of the fields of each case.
-std::vector<double> values_of_cases(const StudyNumbers& n, const StudyFields& fields) {
+/// The cases, as flags, whose fields the page can hold.
+std::vector<char> kept_cases(const StudyNumbers& n, const StudyFields& fields, std::vector<std::string>& notes) {
   std::vector<double> values(n.cases.size(), 0.0);
-  for (const StudyField& f : fields.fields)
+  std::vector<char> stored(n.cases.size(), 0);
+  for (const StudyField& f : fields.fields) {
     values[f.c] += static_cast<double>(fields.surfaces[at(f.surface)].areas.size());
-  return values;
+    stored[f.c] = 1;
+  }
+  std::vector<char> kept = thinned_cases(n, stored, [&](const std::vector<char>& some) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < values.size(); ++c) sum += some[c] != 0 ? values[c] : 0.0;
+    return sum <= kMostFieldValues;
+  });
+  const auto count = [](const std::vector<char>& flags) { return std::count(flags.begin(), flags.end(), 1); };
+  if (count(kept) < count(stored))
+    notes.push_back(fmt::format("maps are of {} of {} cases with stored pressures: all would not fit on a page",
+                                count(kept), count(stored)));
+  return kept;
 }
 
 }  // namespace
@@ -227,26 +230,18 @@ void check_dose(const StudyNumbers& n, const StudyMapOptions& o, const std::stri
                       times.back() - times.front(), kLongestCycle, cycle_seconds));
 }
 
-KeptFields kept_fields(const StudyNumbers& n, const StudyFields& fields) {
-  KeptFields kept;
-  const std::vector<double> values = values_of_cases(n, fields);
-  std::vector<char> stored;
-  for (double count : values) stored.push_back(count > 0 ? 1 : 0);
-  kept.cases = thinned_cases(n, stored, [&](const std::vector<char>& some) {
-    double sum = 0.0;
-    for (std::size_t c = 0; c < values.size(); ++c) sum += some[c] != 0 ? values[c] : 0.0;
-    return sum <= kMostFieldValues;
-  });
-  const auto count = [](const std::vector<char>& flags) { return std::count(flags.begin(), flags.end(), 1); };
-  if (count(kept.cases) < count(stored))
-    kept.notes.push_back(fmt::format("maps are of {} of {} cases with stored pressures: all would not fit on a page",
-                                     count(kept.cases), count(stored)));
-  return kept;
+std::optional<TimeSums> cycle_sums(const std::vector<double>& times, const std::vector<std::vector<double>>& pressure) {
+  if (times.size() < 2 || pressure.size() != times.size() || !rises(times)) return std::nullopt;
+  TimeSums sums = over_time(times, pressure, std::nullopt);
+  for (double& x : sums.exposure) x /= times.back() - times.front();
+  return sums;
 }
 
-Json maps_json(const std::string& path, const StudyNumbers& n, const StudyFields& fields, const KeptFields& kept,
-               const StudyMapOptions& options, Json& meshes, PageArrays& arrays) {
-  std::vector<CaseFields> cases = read_cases_fields(path, n, fields, kept);
+Json maps_json(const std::string& path, const StudyNumbers& n, const StudyFields& fields,
+               const StudyMapOptions& options, std::vector<std::string>& notes, Json& meshes, PageArrays& arrays) {
+  std::vector<std::string> own_notes;
+  std::vector<CaseFields> cases = read_cases_fields(path, n, fields, kept_cases(n, fields, own_notes));
+  notes.insert(notes.end(), own_notes.begin(), own_notes.end());
   if (cases.empty()) return nullptr;
   std::vector<PackedFields> packed(cases.size());
   parallel_for(cases.size(), [&](std::size_t i) {
@@ -269,7 +264,7 @@ Json maps_json(const std::string& path, const StudyNumbers& n, const StudyFields
   }
   j["scales"] = Json::object();
   for (const auto& [kind, range] : ranges) j["scales"][kind] = scale_json(range);
-  j["notes"] = kept.notes;
+  j["notes"] = own_notes;
   j["stored"] = fields.fields.size();
   j["dose"] = dose_json(n, fields, cases, options);
   return j;

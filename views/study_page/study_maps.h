@@ -27,17 +27,13 @@ inline constexpr double kLongestCycle = 10.0;
 /// Throws UsageError: how long a cycle takes must be said, by the option `cycle_seconds`.
 void check_dose(const StudyNumbers& numbers, const StudyMapOptions& options, const std::string& cycle_seconds);
 
-/// Values of stored fields on the page, and what is left out of them.
-struct KeptFields {
-  std::vector<char> cases;         ///< per case of StudyNumbers: its fields are on the page
-  std::vector<std::string> notes;  ///< a line each where something is thinned
-};
-/// As many as the page can hold (thinned_cases).
-KeptFields kept_fields(const StudyNumbers& numbers, const StudyFields& fields);
+/// What a place bears over a cycle: the largest pressure and, as exposure, the mean; none: a state of it is missing.
+std::optional<TimeSums> cycle_sums(const std::vector<double>& times, const std::vector<std::vector<double>>& pressure);
 
-/// Meshes, and the kept fields; null: there are none. `meshes`: of the whole page.
-Json maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields, const KeptFields& kept,
-               const StudyMapOptions& options, Json& meshes, PageArrays& arrays);
+/// Meshes, and the fields of as many cases as the page can hold (thinned_cases); null: there are none. `meshes`: of the
+/// whole page.
+Json maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields,
+               const StudyMapOptions& options, std::vector<std::string>& notes, Json& meshes, PageArrays& arrays);
 
 /// Means and deviations over cases, per state and over the cycle; `column` >= 0: of each of its levels too, and their
 /// differences from the first. Of each surface; of a contact with several meshes on one grid (common_grid, `up`), which

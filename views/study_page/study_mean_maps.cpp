@@ -2,21 +2,159 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "src/base/numbers.h"
 #include "src/study/mean_map.h"
-#include "views/study_page/study_common_grid.h"
 #include "views/study_page/study_maps.h"
 
 namespace dea {
 
 namespace {
 
+constexpr int kGridSide = 81;                 ///< points along an edge of the square that holds all surfaces of a grid
 constexpr std::size_t kMostMeanCases = 1500;  ///< in memory at a time, of one surface
 constexpr std::size_t kMostMeanGroups = 8;
+
+/// Points of a square lattice over the unrolled surfaces (MapView: Lambert's equal areas about each surface's own
+/// sphere and middle). A point is at the same angle from the middle and from `up` on every surface: sizes are scaled
+/// away, left and right are not mirrored. All points stand for the same area.
+struct CommonGrid {
+  double radius = 0.0;     ///< mean of the spheres' radii
+  double step = 0.0;       ///< between neighbours, at the mean radius
+  Vector3d up;             ///< direction to the top of the map
+  ResultSurface geometry;  ///< the points that some surface covers, x right and y up at the mean radius, z = 0
+  /// Where a point takes its value from on one surface: linear between three vertices; -1: not covered.
+  struct Source {
+    std::array<int, 3> vertices = {-1, -1, -1};
+    std::array<double, 3> weights = {0, 0, 0};
+  };
+  std::vector<std::vector<Source>> sources;  ///< per surface and vertex of `geometry`
+  /// Values at the points; NaN: not covered.
+  std::vector<double> sampled(std::size_t surface, const std::vector<double>& values) const;
+};
+
+/// A surface on the map of a sphere of radius 1.
+struct Unrolled {
+  std::vector<Vector2d> points;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+Unrolled unrolled(const StudySurfaceMesh& s, const MapView& view) {
+  const Projection p = project(s.map, view, std::vector<double>(s.map.triangles.size(), 0.0));
+  Unrolled u;
+  for (const Vector2d& x : p.points) u.points.push_back(x / view.radius);
+  for (int t = 0; t < s.map.size(); ++t)
+    if (p.layer[at(t)] == 0) u.triangles.push_back(s.map.triangles[at(t)]);
+  return u;
+}
+
+double cross(const Vector2d& a, const Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
+
+/// Where each point of the lattice lies on one surface. Of triangles that share a point on their edge the first has it.
+std::vector<CommonGrid::Source> lattice_sources(const Unrolled& u, double half, double step) {
+  std::vector<CommonGrid::Source> sources(static_cast<std::size_t>(kGridSide) * kGridSide);
+  const auto first = [&](double x) { return std::max(0, static_cast<int>(std::ceil((x + half) / step - 1e-9))); };
+  const auto last = [&](double x) {
+    return std::min(kGridSide - 1, static_cast<int>(std::floor((x + half) / step + 1e-9)));
+  };
+  for (const std::array<int, 3>& t : u.triangles) {
+    const Vector2d a = u.points[at(t[0])], b = u.points[at(t[1])], c = u.points[at(t[2])];
+    const double area = cross(b - a, c - a);
+    if (area == 0) continue;
+    const auto [x0, x1] = std::minmax({a[0], b[0], c[0]});
+    const auto [y0, y1] = std::minmax({a[1], b[1], c[1]});
+    for (int i = first(x0); i <= last(x1); ++i)
+      for (int j = first(y0); j <= last(y1); ++j) {
+        CommonGrid::Source& source = sources[at(i) * kGridSide + at(j)];
+        if (source.vertices[0] >= 0) continue;
+        const Vector2d x(step * i - half, step * j - half);
+        const std::array<double, 3> w = {cross(b - x, c - x) / area, cross(c - x, a - x) / area,
+                                         cross(a - x, b - x) / area};
+        if (std::min({w[0], w[1], w[2]}) >= -1e-9) source = {t, w};
+      }
+  }
+  return sources;
+}
+
+/// The points that some surface covers, in squares of four.
+ResultSurface lattice_geometry(const std::vector<std::vector<CommonGrid::Source>>& sources, double half, double step,
+                               double radius) {
+  std::vector<Vector3d> positions;
+  std::vector<char> covered;
+  for (int i = 0; i < kGridSide; ++i)
+    for (int j = 0; j < kGridSide; ++j) {
+      positions.emplace_back(radius * (step * i - half), radius * (step * j - half), 0.0);
+      covered.push_back(std::any_of(sources.begin(), sources.end(), [&](const auto& of_surface) {
+        return of_surface[at(i) * kGridSide + at(j)].vertices[0] >= 0;
+      }));
+    }
+  std::vector<int> begin = {0}, nodes;
+  for (int i = 0; i + 1 < kGridSide; ++i)
+    for (int j = 0; j + 1 < kGridSide; ++j) {
+      const int a = i * kGridSide + j, b = a + kGridSide;
+      for (const std::array<int, 3>& t : {std::array<int, 3>{a, b, b + 1}, std::array<int, 3>{a, b + 1, a + 1}}) {
+        if (covered[at(t[0])] == 0 || covered[at(t[1])] == 0 || covered[at(t[2])] == 0) continue;
+        nodes.insert(nodes.end(), t.begin(), t.end());
+        begin.push_back(static_cast<int>(nodes.size()));
+      }
+    }
+  return make_result_surface("common grid", begin, nodes, positions);
+}
+
+/// The global axis that is on top of a view, as view_from chose it.
+Vector3d top_axis(const MapView& view) {
+  int best = 2;
+  for (int k : {1, 0})
+    if (view.up[k] > view.up[best]) best = k;
+  return Vector3d::Unit(best);
+}
+
+std::vector<double> CommonGrid::sampled(std::size_t surface, const std::vector<double>& values) const {
+  std::vector<double> out;
+  for (const Source& s : sources[surface]) {
+    double sum = s.vertices[0] < 0 ? kNaN : 0.0;
+    for (std::size_t k = 0; k < 3 && s.vertices[0] >= 0; ++k) sum += s.weights[k] * values[at(s.vertices[k])];
+    out.push_back(sum);
+  }
+  return out;
+}
+
+/// `up`: zero: the global z, y or x axis that the first surface has on top of its map. nullopt: a surface is no part of
+/// a sphere (unroll); `fault` says which.
+std::optional<CommonGrid> common_grid(const std::vector<const StudySurfaceMesh*>& surfaces, const Vector3d& up,
+                                      std::string& fault) {
+  CommonGrid grid;
+  grid.up = up;
+  std::vector<Unrolled> maps;
+  double half = 0.0;
+  for (const StudySurfaceMesh* s : surfaces) {
+    MapView view;
+    if (!unroll(s->geometry, grid.up, view)) {
+      fault = fmt::format("surface \"{}\" is no part of a sphere", s->surface);
+      return std::nullopt;
+    }
+    if (grid.up.isZero()) grid.up = top_axis(view);
+    grid.radius += view.radius / static_cast<double>(surfaces.size());
+    maps.push_back(unrolled(*s, view));
+    for (const Vector2d& x : maps.back().points) half = std::max({half, std::abs(x[0]), std::abs(x[1])});
+  }
+  const double step = 2 * half / (kGridSide - 1);
+  std::vector<std::vector<CommonGrid::Source>> lattice;
+  for (const Unrolled& u : maps) lattice.push_back(lattice_sources(u, half, step));
+  grid.step = grid.radius * step;
+  grid.geometry = lattice_geometry(lattice, half, step, grid.radius);
+  for (const std::vector<CommonGrid::Source>& of_lattice : lattice) {
+    grid.sources.emplace_back();
+    for (int point : grid.geometry.mesh.model_nodes) grid.sources.back().push_back(of_lattice[at(point)]);
+  }
+  return grid;
+}
 
 /// Cases whose fields are averaged; the first group has all.
 struct MeanGroup {
@@ -69,14 +207,8 @@ FieldsOfKind cycle_means(const std::string& path, const StudyNumbers& n, const S
   const StudyField* now = nullptr;
   const auto end_case = [&] {
     if (now == nullptr) return;
-    const std::vector<double>& times = n.own_times[now->c];
-    const bool rising =
-        std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(b > a); }) == times.end();
-    if (times.size() >= 2 && states.size() == times.size() && rising) {
-      std::vector<double> mean = over_time(times, states, std::nullopt).exposure;
-      for (double& x : mean) x /= times.back() - times.front();
-      means[now->c] = places.values(*now, std::move(mean));
-    }
+    if (std::optional<TimeSums> sums = cycle_sums(n.own_times[now->c], states))
+      means[now->c] = places.values(*now, std::move(sums->exposure));
     states.clear();
   };
   each_pressure(
@@ -102,12 +234,6 @@ Json packed_map(const std::vector<double>& values, PageArrays& arrays) {
   return {{"least", codes.least}, {"most", codes.most}, {"values", arrays.add(pack_codes(codes.codes))}};
 }
 
-/// On a common grid places that fewer than half of the cases cover, or one alone, have no mean.
-CoveredMeanMap mean_of(const std::vector<std::vector<double>>& fields, const MeanPlaces& places) {
-  if (places.grid == nullptr) return {mean_map(fields, places.areas), {}, 0.0};
-  return covered_mean_map(fields, places.areas, std::max<std::size_t>(2, (fields.size() + 1) / 2));
-}
-
 /// Of one kind: each group's mean and deviation, differences from the second group (the first level).
 Json kind_json(const std::string& kind, const FieldsOfKind& fields, const std::vector<MeanGroup>& groups,
                const MeanPlaces& places, PageArrays& arrays) {
@@ -120,20 +246,21 @@ Json kind_json(const std::string& kind, const FieldsOfKind& fields, const std::v
       j["groups"].push_back(nullptr);
       continue;
     }
-    CoveredMeanMap covered = mean_of(of_group, places);
+    // on a common grid places that fewer than half of the cases cover, or one alone, have no mean
+    const std::size_t least = places.grid == nullptr ? 0 : std::max<std::size_t>(2, (of_group.size() + 1) / 2);
+    means.back() = mean_map(of_group, places.areas, least);
+    const MeanMap& m = *means.back();
     if (of_group.size() < 2) {
       j["groups"].push_back(nullptr);
-    } else {
-      j["groups"].push_back(
-          {{"cases", covered.map.cases},
-           {"area_mean", short_number(covered.map.area_mean)},
-           {"area_spread", short_number(covered.map.area_spread)},
-           {"mean", packed_map(covered.map.mean, arrays)},
-           {"sd", packed_map(covered.map.standard_deviation, arrays)},
-           {"count", covered.count.empty() ? Json(nullptr)
-                                           : arrays.add(pack_integers({covered.count.begin(), covered.count.end()}))}});
+      continue;
     }
-    means.back() = std::move(covered.map);
+    j["groups"].push_back(
+        {{"cases", m.cases},
+         {"area_mean", short_number(m.area_mean)},
+         {"area_spread", short_number(m.area_spread)},
+         {"mean", packed_map(m.mean, arrays)},
+         {"sd", packed_map(m.standard_deviation, arrays)},
+         {"count", least == 0 ? Json(nullptr) : arrays.add(pack_integers({m.count.begin(), m.count.end()}))}});
   }
   for (std::size_t g = 2; g < groups.size(); ++g) {
     if (!means[g] || !means[1]) {

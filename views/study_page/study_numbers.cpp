@@ -37,15 +37,6 @@ std::vector<StudyStatistic> inside_statistics() {
   return all;
 }
 
-std::optional<double> number_in(const std::string& text) {
-  try {
-    const double x = parse_number(text);
-    return std::isfinite(x) ? std::optional<double>(x) : std::nullopt;
-  } catch (const BadValue&) {
-    return std::nullopt;
-  }
-}
-
 /// Where folders begin in a path, from its end: the file's name, then one folder more each; the whole path last.
 std::vector<std::size_t> tail_starts(const std::string& path) {
   std::vector<std::size_t> starts;
@@ -83,27 +74,12 @@ bool is_grid(const StudyNumbers& n) {
   return true;
 }
 
-/// Which case of `n` has this number; -1: none, as where another program has added it since.
-class CaseIndex {
- public:
-  explicit CaseIndex(const StudyNumbers& n) {
-    for (std::size_t i = 0; i < n.cases.size(); ++i) index_[static_cast<std::int64_t>(n.cases[i].number)] = i;
-  }
-  std::ptrdiff_t of(std::int64_t number) const {
-    const auto found = index_.find(number);
-    return found == index_.end() ? -1 : static_cast<std::ptrdiff_t>(found->second);
-  }
-
- private:
-  std::unordered_map<std::int64_t, std::size_t> index_;
-};
-
 /// States, their times, and which are solutions: per case and state 1.
-std::vector<std::vector<char>> take_states(const std::string& path, const CaseIndex& index, StudyNumbers& n) {
+std::vector<std::vector<char>> take_states(const std::string& path, StudyNumbers& n) {
   std::vector<std::vector<char>> good(n.cases.size());
   n.own_times.resize(n.cases.size());
   for (StudyState& s : read_states(path)) {
-    const std::ptrdiff_t c = index.of(s.case_id);
+    const int c = n.case_of(static_cast<double>(s.case_id));
     if (c < 0 || s.state < 1) continue;
     const std::size_t k = at(s.state - 1);
     good[at(c)].resize(std::max(good[at(c)].size(), k + 1), 0);
@@ -124,78 +100,40 @@ std::vector<std::vector<char>> take_states(const std::string& path, const CaseIn
   return good;
 }
 
-/// For each row of a state that is a solution: its place in StudyNumbers::values, and its own number.
-template <class Take>
-void each_solved_row(const StudyRows& rows, const CaseIndex& index, const std::vector<std::vector<char>>& good,
-                     const StudyNumbers& n, Take take) {
-  for (std::size_t r = 0; r < rows.case_id.size(); ++r) {
-    const std::ptrdiff_t c = index.of(rows.case_id[r]);
-    if (c < 0 || rows.state[r] < 1 || at(rows.state[r]) > good[at(c)].size()) continue;
-    const std::size_t k = at(rows.state[r] - 1);
-    if (good[at(c)][k] != 0) take(at(c) * n.choices() + k, r);
-  }
-}
-
-std::vector<std::vector<double>> no_values(const StudyNumbers& n) {
-  return std::vector<std::vector<double>>(n.places.size(), std::vector<double>(n.cases.size() * n.choices(), kNaN));
-}
-
-void take_values(const std::string& path, const CaseIndex& index, const std::vector<std::vector<char>>& good,
-                 StudyNumbers& n) {
+/// Of the inside those that some contact has a number of: a bone without cartilage, and law linear, have none.
+void take_values(const std::string& path, const std::vector<std::vector<char>>& good, StudyNumbers& n) {
   n.statistics = headline_statistics();
-  std::vector<std::string> columns;
-  for (const StudyStatistic& s : n.statistics)
-    if (s.name != kForce) columns.push_back(s.name);
-  const std::size_t force = columns.size();  // behind the others in both lists
+  const std::size_t force = n.statistics.size() - 1;  // behind the others
+  std::vector<std::string> columns, of_inside;
+  for (std::size_t s = 0; s < force; ++s) columns.push_back(n.statistics[s].name);
   for (const char* axis : {"_x", "_y", "_z"}) columns.push_back(std::string(kForce) + axis);
-  StudyRows rows = read_rows(path, columns);
+  if (n.head.identity.inside)
+    for (StudyStatistic& s : inside_statistics()) {
+      of_inside.push_back(s.name);
+      n.statistics.push_back(std::move(s));
+    }
+  StudyRows rows = read_rows(path, columns, of_inside);
   n.places = std::move(rows.places);
-  n.values.assign(n.statistics.size(), no_values(n));
-  each_solved_row(rows, index, good, n, [&](std::size_t cell, std::size_t r) {
-    const std::size_t place = at(rows.place[r]);
-    for (std::size_t s = 0; s < force; ++s) n.values[s][place][cell] = rows.numbers[s][r];
-    n.values[force][place][cell] =
-        std::hypot(rows.numbers[force][r], rows.numbers[force + 1][r], rows.numbers[force + 2][r]);
-  });
-}
-
-/// Those that some contact has a number of: a bone without cartilage, and law linear, have none.
-void take_inside(const std::string& path, const CaseIndex& index, const std::vector<std::vector<char>>& good,
-                 StudyNumbers& n) {
-  if (!n.head.identity.inside) return;
-  const std::vector<StudyStatistic> statistics = inside_statistics();
-  std::vector<std::string> columns;
-  for (const StudyStatistic& s : statistics) columns.push_back(s.name);
-  const StudyRows rows = read_inside(path, columns);
-  std::vector<std::size_t> place_of;
-  for (const StudyPlace& p : rows.places)
-    place_of.push_back(static_cast<std::size_t>(std::find_if(n.places.begin(), n.places.end(),
-                                                             [&](const StudyPlace& q) {
-                                                               return q.part.empty() && q.contact_id == p.contact_id &&
-                                                                      q.contact == p.contact;
-                                                             }) -
-                                                n.places.begin()));
-  for (std::size_t s = 0; s < statistics.size(); ++s) {
-    std::vector<std::vector<double>> values = no_values(n);
-    bool any = false;
-    each_solved_row(rows, index, good, n, [&](std::size_t cell, std::size_t r) {
-      const std::size_t place = place_of[at(rows.place[r])];
-      if (place == n.places.size()) return;
-      values[place][cell] = rows.numbers[s][r];
-      any = any || std::isfinite(rows.numbers[s][r]);
-    });
-    if (!any) continue;
-    n.statistics.push_back(statistics[s]);
-    n.values.push_back(std::move(values));
+  n.values.assign(n.statistics.size(), std::vector(n.places.size(), std::vector(n.cases.size() * n.choices(), kNaN)));
+  std::vector<char> any(n.statistics.size(), 0);
+  for (std::size_t r = 0; r < rows.case_id.size(); ++r) {
+    const int c = n.case_of(static_cast<double>(rows.case_id[r]));
+    if (c < 0 || rows.state[r] < 1 || at(rows.state[r]) > good[at(c)].size()) continue;
+    const std::size_t k = at(rows.state[r] - 1), place = at(rows.place[r]), cell = at(c) * n.choices() + k;
+    if (good[at(c)][k] == 0) continue;
+    const auto number = [&](std::size_t column) { return rows.numbers[column][r]; };
+    for (std::size_t s = 0; s < force; ++s) n.values[s][place][cell] = number(s);
+    n.values[force][place][cell] = std::hypot(number(force), number(force + 1), number(force + 2));
+    for (std::size_t s = force + 1; s < n.statistics.size(); ++s) {
+      n.values[s][place][cell] = number(s + 2);
+      if (std::isfinite(number(s + 2))) any[s] = 1;
+    }
   }
-}
-
-/// The unit system that `--units` among the options says; empty: it is not there.
-std::string units_option(const StudyHead& head) {
-  constexpr const char* kOption = "--units ";
-  for (const std::string& text : head.identity.options)
-    if (text.rfind(kOption, 0) == 0) return text.substr(std::string(kOption).size());
-  return "";
+  for (std::size_t s = n.statistics.size() - 1; s > force; --s) {
+    if (any[s] != 0) continue;
+    n.statistics.erase(n.statistics.begin() + static_cast<std::ptrdiff_t>(s));
+    n.values.erase(n.values.begin() + static_cast<std::ptrdiff_t>(s));
+  }
 }
 
 /// Is it still the file that the study was made from?
@@ -235,7 +173,45 @@ std::string dimension_of(const Factor& factor) {
   return factor.option == "force" ? "force" : "";
 }
 
+/// Levels that are left of each own column.
+struct KeptLevels {
+  std::vector<std::vector<char>> kept;
+
+  explicit KeptLevels(const StudyNumbers& n) {
+    for (std::size_t k = 0; k < n.own_columns(); ++k) kept.emplace_back(n.columns[k].levels.size(), 1);
+  }
+  bool has(const StudyNumbers& n, std::size_t c) const {
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (kept[k][at(n.columns[k].level[c])] == 0) return false;
+    return true;
+  }
+  /// False: no column has more than two levels left.
+  bool thin() {
+    std::size_t longest = 0, most = 2;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const auto left = static_cast<std::size_t>(std::count(kept[k].begin(), kept[k].end(), 1));
+      if (left <= most) continue;
+      most = left;
+      longest = k;
+    }
+    if (most == 2) return false;
+    std::vector<std::size_t> left;
+    for (std::size_t l = 0; l < kept[longest].size(); ++l)
+      if (kept[longest][l] != 0) left.push_back(l);
+    for (std::size_t i = 1; i + 1 < left.size(); i += 2) kept[longest][left[i]] = 0;
+    return true;
+  }
+};
+
 }  // namespace
+
+std::optional<double> number_in(const std::string& text) {
+  try {
+    return parse_number(text);
+  } catch (const BadValue&) {
+    return std::nullopt;
+  }
+}
 
 StudyColumn make_column(const std::string& name, const std::vector<std::string>& texts) {
   StudyColumn c;
@@ -267,6 +243,13 @@ StudyColumn make_column(const std::string& name, const std::vector<std::string>&
   return c;
 }
 
+std::string option_of(const StudyHead& head, const std::string& option) {
+  const std::string start = "--" + option + " ";
+  for (const std::string& text : head.identity.options)
+    if (text.starts_with(start)) return text.substr(start.size());
+  return "";
+}
+
 std::vector<std::string> short_names(const std::vector<std::string>& paths) {
   std::unordered_map<std::string, int> count;  // paths that end so
   for (const std::string& path : paths)
@@ -293,6 +276,15 @@ const std::vector<StudyStatistic>& headline_statistics() {
   return statistics;
 }
 
+int StudyColumn::find(const std::string& text) const {
+  const auto found = std::find(levels.begin(), levels.end(), text);
+  if (found != levels.end()) return static_cast<int>(found - levels.begin());
+  const std::optional<double> x = numeric ? number_in(text) : std::nullopt;
+  for (std::size_t l = 0; x && l < levels.size(); ++l)
+    if (numbers[l] == *x) return static_cast<int>(l);
+  return -1;
+}
+
 std::vector<double> StudyColumn::values() const {
   std::vector<double> out;
   for (int l : level) out.push_back(numeric ? numbers[at(l)] : kNaN);
@@ -308,6 +300,13 @@ std::vector<double> StudyNumbers::outputs(std::size_t statistic, std::size_t pla
 std::size_t StudyNumbers::own_columns() const {
   return static_cast<std::size_t>(
       std::count_if(columns.begin(), columns.end(), [](const StudyColumn& c) { return c.of.empty(); }));
+}
+
+int StudyNumbers::case_of(double number) const {
+  const auto found = std::lower_bound(cases.begin(), cases.end(), number,
+                                      [](const StudyCase& c, double x) { return static_cast<double>(c.number) < x; });
+  return found != cases.end() && static_cast<double>(found->number) == number ? static_cast<int>(found - cases.begin())
+                                                                              : -1;
 }
 
 int StudyNumbers::column(const std::string& name) const {
@@ -344,7 +343,7 @@ StudyNumbers read_study_numbers(const std::string& path) {
   n.head = read_study_head(path);
   n.cases = read_cases(path);
   if (n.cases.empty()) throw InputError(fmt::format("{}: found a study without a single case, expected some", path));
-  const std::string units = units_option(n.head);
+  const std::string units = option_of(n.head, "units");
   n.units = unit_names(units.empty() ? units_of_model(n.head) : units);
   n.time_name = time_name_of_table(n.head);
   make_columns(n);
@@ -352,12 +351,24 @@ StudyNumbers read_study_numbers(const std::string& path) {
     for (StudyColumn& column : n.columns)
       if (column.name == factor.name && column.numeric) column.dimension = dimension_of(factor);
   n.grid = is_grid(n);
-  const CaseIndex index(n);
-  const std::vector<std::vector<char>> good = take_states(path, index, n);
-  take_values(path, index, good, n);
-  take_inside(path, index, good, n);
+  const std::vector<std::vector<char>> good = take_states(path, n);
+  take_values(path, good, n);
   add_largest(n);
   return n;
+}
+
+std::vector<char> thinned_cases(const StudyNumbers& n, const std::vector<char>& may,
+                                const std::function<bool(const std::vector<char>& kept)>& fits) {
+  std::vector<char> kept = may;
+  KeptLevels levels(n);
+  while (!fits(kept) && n.grid && levels.thin())
+    for (std::size_t c = 0; c < may.size(); ++c) kept[c] = may[c] != 0 && levels.has(n, c) ? 1 : 0;
+  const std::vector<char> before = kept;
+  for (std::size_t every = 2; !fits(kept) && every <= may.size(); every *= 2) {
+    std::size_t i = 0;
+    for (std::size_t c = 0; c < may.size(); ++c) kept[c] = before[c] != 0 && i++ % every == 0 ? 1 : 0;
+  }
+  return kept;
 }
 
 }  // namespace dea

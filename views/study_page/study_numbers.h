@@ -3,6 +3,7 @@
 //
 // A number of a state that is no solution is NaN, whatever the file has: it is that of a failed case everywhere below.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct StudyColumn {
   std::vector<std::string> levels;  ///< different values; numbers rise, words in the order of cases
   std::vector<double> numbers;      ///< per level; words: 0, 1, 2, ...
   std::vector<int> level;           ///< per case: index
+  /// Index of a level; numbers are compared as numbers: 8 is 8.0. -1: there is none.
+  int find(const std::string& text) const;
   /// Per case; NaN: words.
   std::vector<double> values() const;
 };
@@ -70,12 +73,19 @@ struct StudyNumbers {
   std::size_t own_columns() const;
   /// Of all cases.
   std::vector<double> outputs(std::size_t statistic, std::size_t place, std::size_t choice) const;
+  /// Index of the case of this number; -1: none, as where another program has added it since.
+  int case_of(double number) const;
   /// -1: there is no such column that varies.
   int column(const std::string& name) const;
 };
 
 /// Is this the word of a state that is a solution?
 bool is_solution(const std::string& outcome);
+
+/// The value of an option that the study was made with; empty: it is not there.
+std::string option_of(const StudyHead& head, const std::string& option);
+
+std::optional<double> number_in(const std::string& text);
 
 /// A column of these values, one per case. Numbers that are equal are one level, however they are written.
 StudyColumn make_column(const std::string& name, const std::vector<std::string>& texts);
@@ -91,5 +101,11 @@ void add_largest(StudyNumbers& numbers);
 /// Throws InputError; a study without a single case too. Units: of `--units` among the study's options, else of its
 /// first model, where that is there as it was; else none are claimed.
 StudyNumbers read_study_numbers(const std::string& path);
+
+/// Flags of cases, of those that `may` be taken, such that `fits`. Of a grid every second level goes, of the factor
+/// that has most of them, its ends stay, again and again: what is left is a grid. Of other studies, and where that is
+/// not enough, one case in 2, 4, ... is left.
+std::vector<char> thinned_cases(const StudyNumbers& numbers, const std::vector<char>& may,
+                                const std::function<bool(const std::vector<char>& kept)>& fits);
 
 }  // namespace dea

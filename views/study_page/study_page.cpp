@@ -49,10 +49,8 @@ int group_column(const StudyNumbers& n, const StudyPageOptions& o) {
 /// Maps and all that comes of stored pressures; regions are places by now.
 void add_maps(const std::string& study, const StudyNumbers& n, const StudyFields& fields, const StudyPageOptions& o,
               int group, Json& page, PageArrays& arrays, std::vector<std::string>& notes) {
-  const KeptFields kept = kept_fields(n, fields);
-  notes.insert(notes.end(), kept.notes.begin(), kept.notes.end());
   Json meshes = Json::array();
-  page["maps"] = maps_json(study, n, fields, kept, o.maps, meshes, arrays);
+  page["maps"] = maps_json(study, n, fields, o.maps, notes, meshes, arrays);
   page["means"] = page["maps"].is_null()
                       ? Json(nullptr)
                       : mean_maps_json(study, n, fields, group, o.maps.regions.up.value_or(Vector3d::Zero()), notes,
@@ -78,8 +76,9 @@ StudyNumbers study_numbers_with(const std::string& study, const std::optional<Ca
   return n;
 }
 
-StudyPageSummary write_study_page(const std::string& path, const std::string& study, const StudyPageOptions& o) {
-  StudyPageSummary summary;
+std::vector<std::string> write_study_page(const std::string& path, const std::string& study,
+                                          const StudyPageOptions& o) {
+  std::vector<std::string> notes;
   StudyNumbers n = study_numbers_with(study, o.subjects);
   std::vector<StudyWarning> warnings = read_warnings(study);
   const int group = group_column(n, o);
@@ -92,8 +91,8 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
   hide_folders(n, warnings);
   const ShownCases shown = shown_cases(n);
   if (!shown.all)
-    summary.notes.push_back(fmt::format("figures and tables show {} of {} cases; statistics are of all",
-                                        shown.cases.size(), n.cases.size()));
+    notes.push_back(fmt::format("figures and tables show {} of {} cases; statistics are of all", shown.cases.size(),
+                                n.cases.size()));
   PageArrays arrays;
   Json page;
   page["schema"] = "dea.report/1";
@@ -116,13 +115,13 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
   page["groups"] = groups_json(n, group);
   page["pairs"] = pairs_json(n, pairs, shown);
   if (pairs.column >= 0 && !o.pair_by.empty()) page["pairs"]["by"] = o.pair_by;
-  add_maps(study, n, fields, o, group, page, arrays, summary.notes);
-  page["notes"] = summary.notes;
+  add_maps(study, n, fields, o, group, page, arrays, notes);
+  page["notes"] = notes;
   write_text(path, page_text(page["title"].get<std::string>(), page, arrays,
                              {std::string(page::study_style()), std::string(page::study_figures()) + "\n" +
                                                                     std::string(page::study_maps()) + "\n" +
                                                                     std::string(page::study_main())}));
-  return summary;
+  return notes;
 }
 
 }  // namespace dea

@@ -26,16 +26,12 @@ struct StudyPageOptions {
   std::vector<std::string> words;  ///< the command, for the page
 };
 
-/// How a page came out.
-struct StudyPageSummary {
-  std::vector<std::string> notes;  ///< a line each: what was thinned
-};
-
 /// read_study_numbers, with the columns of a table, if there is one. Throws InputError.
 StudyNumbers study_numbers_with(const std::string& study, const std::optional<CaseTable>& subjects);
 
 /// Writes the page of a study's file, which is only read. Throws InputError, UsageError (a column that is not there),
-/// WriteError.
-StudyPageSummary write_study_page(const std::string& path, const std::string& study, const StudyPageOptions& options);
+/// WriteError. What was thinned, a line each.
+std::vector<std::string> write_study_page(const std::string& path, const std::string& study,
+                                          const StudyPageOptions& options);
 
 }  // namespace dea

@@ -69,13 +69,11 @@ void add_regions(const std::string& path, const StudyFields& fields, const Study
                  StudyNumbers& n) {
   const StudyRows thresholds = read_rows(path, {"headline_above"});
   std::map<std::tuple<std::size_t, std::size_t, int, std::string>, double> above;
-  std::map<std::int64_t, std::size_t> index;
-  for (std::size_t c = 0; c < n.cases.size(); ++c) index[static_cast<std::int64_t>(n.cases[c].number)] = c;
   for (std::size_t r = 0; r < thresholds.case_id.size(); ++r) {
     const StudyPlace& place = thresholds.places[at(thresholds.place[r])];
-    const auto c = index.find(thresholds.case_id[r]);
-    if (place.part.empty() && c != index.end())
-      above[{c->second, at(thresholds.state[r] - 1), place.contact_id, place.contact}] = thresholds.numbers[0][r];
+    const int c = n.case_of(static_cast<double>(thresholds.case_id[r]));
+    if (place.part.empty() && c >= 0)
+      above[{at(c), at(thresholds.state[r] - 1), place.contact_id, place.contact}] = thresholds.numbers[0][r];
   }
   const std::vector<RegionPlaces> places = make_places(fields, options, n);
   for (auto& of_statistic : n.values)  // of what is not among headline_statistics regions have none

@@ -10,20 +10,15 @@
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"
+#include "src/study/influence.h"
+#include "src/study/pairs.h"
 
 namespace dea {
 
 namespace {
 
-std::string option_text(const StudyHead& head, const std::string& option) {
-  const std::string start = "--" + option + " ";
-  for (const std::string& text : head.identity.options)
-    if (text.rfind(start, 0) == 0) return text.substr(start.size());
-  return "";
-}
-
 void find_saltelli(const StudyNumbers& n, StudyDesign& design) {
-  if (option_text(n.head, "sample") != "saltelli") {
+  if (option_of(n.head, "sample") != "saltelli") {
     design.no_sobol = "The cases are no Saltelli design (--sample saltelli), which Sobol indices need.";
     return;
   }
@@ -31,11 +26,7 @@ void find_saltelli(const StudyNumbers& n, StudyDesign& design) {
   for (const Factor& f : n.head.factors)
     if (f.spread.kind != Spread::Kind::None) columns.push_back(n.column(f.name));
   const std::size_t rows = columns.size() + 2;
-  std::size_t count = 0;
-  try {
-    count = static_cast<std::size_t>(parse_number(option_text(n.head, "count")));
-  } catch (const BadValue&) {
-  }
+  const auto count = static_cast<std::size_t>(number_in(option_of(n.head, "count")).value_or(0.0));
   if (columns.empty() || n.head.planned != count * rows) {
     design.no_sobol = "Sobol indices are of one sample; here it is combined with other models or values of factors.";
     return;
@@ -112,23 +103,28 @@ std::vector<std::vector<double>> column_numbers(const StudyNumbers& n) {
   return numbers;
 }
 
-std::vector<BaseSlope> base_slopes(const StudyNumbers& n, const StudyDesign& design,
-                                   const std::vector<double>& outputs) {
-  std::vector<BaseSlope> result;
-  if (design.base < 0) return result;
-  const std::vector<OneAtATime> all = one_at_a_time(column_numbers(n), outputs, at(design.base));
+Json interval_json(const Interval& i) { return {short_number(i.low), short_number(i.high)}; }
+
+/// About the base case, of own columns among the numeric ones, as far as they have neighbours. "relative": percent of
+/// the number per percent of the factor: slope times factor over number; null: the factor is 0.
+Json slopes_json(const StudyNumbers& n, const StudyDesign& design, const std::vector<double>& outputs) {
+  Json j = Json::array();
+  if (design.base < 0) return j;
+  const std::size_t base = at(design.base);
+  const std::vector<std::optional<Slope>> slopes = slopes_about(column_numbers(n), outputs, base);
+  const char* kinds[] = {"none", "forward", "backward", "central"};
   for (int k : design.numeric) {
-    if (!n.columns[at(k)].of.empty()) continue;
-    const OneAtATime& one = all[at(k)];
-    for (std::size_t i = 0; i < one.cases.size(); ++i) {
-      if (one.cases[i] != at(design.base) || one.cases.size() < 2) continue;
-      const StudyColumn& column = n.columns[at(k)];
-      const double x = column.numbers[at(column.level[at(design.base)])];
-      const double relative = x == 0 ? kNaN : one.slopes[i].value * x / outputs[at(design.base)];
-      result.push_back({k, one.slopes[i], x, relative});
-    }
+    const StudyColumn& column = n.columns[at(k)];
+    if (!column.of.empty() || !slopes[at(k)]) continue;
+    const Slope& slope = *slopes[at(k)];
+    const double x = column.numbers[at(column.level[base])];
+    j.push_back({{"column", k},
+                 {"kind", kinds[static_cast<int>(slope.kind)]},
+                 {"at", short_number(x)},
+                 {"slope", short_number(slope.value)},
+                 {"relative", short_number(x == 0 ? kNaN : slope.value * x / outputs[base])}});
   }
-  return result;
+  return j;
 }
 
 /// Numbers that differ by no more than the search's tolerance are one number, such as the size of a force that the load
@@ -147,34 +143,17 @@ std::vector<double> without_rounding(std::vector<double> outputs) {
   return outputs;
 }
 
-std::string level_list(const StudyColumn& c) { return name_list(c.levels, ""); }
-
-/// Index of a level; numbers are compared as numbers: 8 is 8.0. -1: there is none.
-int find_level(const StudyColumn& c, const std::string& level) {
-  for (std::size_t i = 0; i < c.levels.size(); ++i)
-    if (c.levels[i] == level) return static_cast<int>(i);
-  if (!c.numeric) return -1;
-  try {
-    const double x = parse_number(level);
-    for (std::size_t i = 0; i < c.levels.size(); ++i)
-      if (c.numbers[i] == x) return static_cast<int>(i);
-  } catch (const BadValue&) {
-  }
-  return -1;
-}
-
 int level_named(const StudyColumn& c, const std::string& option, const std::string& text, const std::string& level) {
-  const int found = find_level(c, level);
+  const int found = c.find(level);
   if (found >= 0) return found;
   throw UsageError(fmt::format("{} {}: found no value \"{}\" of {}{}, expected two of {}", option, text, level, c.name,
-                               did_you_mean(level, c.levels), level_list(c)));
+                               did_you_mean(level, c.levels), name_list(c.levels, "")));
 }
 
 /// The comma of A,B: one that stands between two values, for a value may hold commas itself; else the first.
 std::size_t comma_between_levels(const StudyColumn& c, const std::string& both) {
-  const auto is_level = [&](const std::string& s) { return find_level(c, s) >= 0; };
   for (std::size_t i = both.find(','); i != std::string::npos; i = both.find(',', i + 1))
-    if (is_level(both.substr(0, i)) && is_level(both.substr(i + 1))) return i;
+    if (c.find(both.substr(0, i)) >= 0 && c.find(both.substr(i + 1)) >= 0) return i;
   return both.find(',');
 }
 
@@ -225,25 +204,64 @@ StudyDesign study_design(const StudyNumbers& n) {
   return design;
 }
 
-Influence influence(const StudyNumbers& n, const StudyDesign& design, const std::vector<double>& found,
+Json box_json(const BoxPlot& b) {
+  return {{"count", b.count},
+          {"left_out", b.left_out},
+          {"least", short_number(b.least)},
+          {"low", short_number(b.lower_whisker)},
+          {"q1", short_number(b.q1)},
+          {"median", short_number(b.median)},
+          {"q3", short_number(b.q3)},
+          {"high", short_number(b.upper_whisker)},
+          {"largest", short_number(b.largest)},
+          {"mean", short_number(b.mean)},
+          {"sd", short_number(b.standard_deviation)}};
+}
+
+Json influence_json(const StudyNumbers& n, const StudyDesign& design, const std::vector<double>& found,
                     const Bootstrap& bootstrap) {
-  Influence result;
   const std::vector<double> outputs = without_rounding(found);
   std::vector<std::vector<double>> factors;
   for (int k : design.numeric) factors.push_back(n.columns[at(k)].values());
-  result.regression = regression(factors, outputs);
-  for (const std::vector<double>& factor : factors) result.ranks.push_back(rank_correlation(factor, outputs));
+  const Regression fit = regression(factors, outputs);
+  Json j = {{"r_squared", short_number(fit.r_squared)},
+            {"cases", fit.cases},
+            {"left_out", fit.left_out},
+            {"factors", Json::array()},
+            {"sobol", nullptr}};
+  for (std::size_t k = 0; k < factors.size(); ++k)
+    j["factors"].push_back({{"column", design.numeric[k]},
+                            {"coefficient", short_number(fit.coefficients[k])},
+                            {"rho", short_number(rank_correlation(factors[k], outputs))}});
   if (design.saltelli > 0) {
     std::vector<double> in_order(n.head.planned, kNaN);
     for (std::size_t c = 0; c < n.cases.size(); ++c)
       if (n.cases[c].number >= 1 && n.cases[c].number <= in_order.size()) in_order[n.cases[c].number - 1] = outputs[c];
-    result.sobol = sobol_indices(in_order, design.saltelli, bootstrap);
+    j["sobol"] = Json::array();
+    for (const SobolIndex& s : sobol_indices(in_order, design.saltelli, bootstrap))
+      j["sobol"].push_back({{"column", design.saltelli_columns[j["sobol"].size()]},
+                            {"first", short_number(s.first)},
+                            {"first_interval", interval_json(s.first_interval)},
+                            {"total", short_number(s.total)},
+                            {"total_interval", interval_json(s.total_interval)},
+                            {"rows", s.rows},
+                            {"left_out", s.left_out}});
   }
-  result.slopes = base_slopes(n, design, outputs);
-  return result;
+  j["slopes"] = slopes_json(n, design, outputs);
+  return j;
 }
 
-GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>& found) {
+Json difference_json(const std::vector<double>& first, const std::vector<double>& second) {
+  const MeanDifference d = mean_difference(first, second);
+  return {{"count", {d.count[0], d.count[1]}},
+          {"mean", short_number(d.mean)},
+          {"interval", interval_json(d.interval)},
+          {"d", short_number(d.effect.d)},
+          {"g", short_number(d.effect.corrected)}};
+}
+
+Json group_json(const StudyNumbers& n, const StudyColumn& column, const std::vector<double>& found) {
+  constexpr std::size_t kMostOutliers = 200;  // as rings
   const std::vector<double> outputs = without_rounding(found);
   std::vector<std::vector<double>> values(column.levels.size());
   std::vector<std::vector<std::size_t>> cases(column.levels.size());
@@ -251,15 +269,36 @@ GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>&
     values[at(column.level[c])].push_back(outputs[c]);
     cases[at(column.level[c])].push_back(c);
   }
-  GroupNumbers g;
+  Json boxes = Json::array(), differences = Json::array();
   for (std::size_t l = 0; l < values.size(); ++l) {
-    g.boxes.push_back(box_plot(values[l]));
-    for (std::size_t& i : g.boxes.back().outliers) i = cases[l][i];
-    if (l == 0) continue;
-    g.differences.push_back(mean_difference(values[l], values[0]));
-    g.effects.push_back(cohen_d(values[l], values[0]));
+    const BoxPlot box = box_plot(values[l]);
+    boxes.push_back(box_json(box));
+    boxes.back()["outliers"] = Json::array();
+    for (std::size_t i = 0; i < std::min(box.outliers.size(), kMostOutliers); ++i) {
+      const std::size_t c = cases[l][box.outliers[i]];
+      boxes.back()["outliers"].push_back({n.cases[c].number, short_number(found[c])});
+    }
+    if (l > 0) differences.push_back(difference_json(values[l], values[0]));
   }
-  return g;
+  return {{"boxes", boxes}, {"differences", differences}};
+}
+
+Json pair_json(const std::vector<double>& first, const std::vector<double>& second) {
+  const CompletePairs complete = complete_pairs(first, second);
+  const PairedDifference d = paired_difference(complete);
+  return {{"first", box_json(box_plot(complete.first))},
+          {"second", box_json(box_plot(complete.second))},
+          {"pairs", d.pairs},
+          {"left_out", d.left_out},
+          {"mean", short_number(d.mean)},
+          {"sd", short_number(d.standard_deviation)},
+          {"interval", interval_json(d.mean_interval)},
+          {"median", short_number(d.median)},
+          {"dz", short_number(d.effect.d)},
+          {"g", short_number(d.effect.corrected)},
+          {"limits", interval_json(d.limits)},
+          {"lower_interval", interval_json(d.lower_limit_interval)},
+          {"upper_interval", interval_json(d.upper_limit_interval)}};
 }
 
 int study_column(const StudyNumbers& n, const std::string& option, const std::string& name) {
@@ -323,16 +362,14 @@ StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const s
   return pairs;
 }
 
-PairNumbers pair_numbers(const StudyPairs& pairs, const std::vector<double>& found) {
+Json pair_json(const StudyPairs& pairs, const std::vector<double>& found) {
   const std::vector<double> outputs = without_rounding(found);
   std::vector<double> first, second;
   for (const std::array<int, 2>& pair : pairs.cases) {
     first.push_back(outputs[at(pair[0])]);
     second.push_back(outputs[at(pair[1])]);
   }
-  const CompletePairs complete = complete_pairs(first, second);
-  return {box_plot(complete.first), box_plot(complete.second), paired_difference(first, second),
-          paired_d_z(first, second), bland_altman(first, second)};
+  return pair_json(first, second);
 }
 
 StudyInstants study_instants(const StudyNumbers& n) {
@@ -344,8 +381,7 @@ StudyInstants study_instants(const StudyNumbers& n) {
     result.percent = true;
     for (int i = 0; i <= 50; ++i) result.instants.push_back(2.0 * i);
   }
-  for (std::size_t i = 1; i < result.instants.size(); ++i)
-    if (!(result.instants[i] > result.instants[i - 1])) return {};  // two states at one time: no curve over it
+  if (!rises(result.instants)) return {};  // two states at one time: no curve over it
   return result;
 }
 
@@ -357,9 +393,7 @@ std::vector<std::vector<double>> study_lines(const StudyNumbers& n, const StudyI
     const std::vector<double>& times = n.own_times[c];
     std::vector<double> values;
     for (std::size_t k = 0; k < times.size(); ++k) values.push_back(n.value(statistic, place, c, k));
-    const bool rising =
-        std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(b > a); }) == times.end();
-    if (times.size() < 2 || !rising)
+    if (times.size() < 2 || !rises(times))
       lines.emplace_back(at_these.instants.size(), kNaN);
     else if (at_these.percent)
       lines.push_back(at_instants(percent_of_cycle(times), values, at_these.instants));

@@ -1,14 +1,12 @@
 // views/study_page/study_statistics.h – what src/study says of a study's numbers: which factors matter,
 // groups, pairs, bands over the cycle. Each of one statistic, at one place, of one choice of states (StudyNumbers).
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "src/study/influence.h"
-#include "src/study/pairs.h"
 #include "src/study/sobol_indices.h"
 #include "src/study/summary.h"
+#include "views/page/page_parts.h"
 #include "views/study_page/study_numbers.h"
 
 namespace dea {
@@ -25,31 +23,14 @@ struct StudyDesign {
 /// column only the one nearest the middle of all columns' values, the first of several.
 StudyDesign study_design(const StudyNumbers& numbers);
 
-/// A slope about the base case.
-struct BaseSlope {
-  int column = 0;
-  Slope slope;
-  double at = kNaN;  ///< value of the factor
-  double relative =
-      kNaN;  ///< percent of the number per percent of the factor: slope times factor over number; NaN: the factor is 0
-};
-struct Influence {
-  Regression regression;               ///< of design.numeric
-  std::vector<RankCorrelation> ranks;  ///< one per design.numeric
-  std::optional<SobolIndices> sobol;   ///< one per design.saltelli_columns
-  std::vector<BaseSlope> slopes;       ///< of own columns of design.numeric, as far as they have neighbours
-};
-Influence influence(const StudyNumbers& numbers, const StudyDesign& design, const std::vector<double>& outputs,
+/// Of one statistic, place and choice: box-plot numbers; which columns of the design it depends on; levels of a column
+/// as groups, each but the first less the first; two numbers of the same cases, first less second. Undefined: null.
+Json box_json(const BoxPlot& box);
+Json influence_json(const StudyNumbers& numbers, const StudyDesign& design, const std::vector<double>& outputs,
                     const Bootstrap& bootstrap);
-
-/// Levels of a column as groups.
-struct GroupNumbers {
-  std::vector<BoxPlot> boxes;  ///< per level; outliers are indices of cases
-  /// Per level but the first: that one less the first.
-  std::vector<MeanDifference> differences;
-  std::vector<EffectSize> effects;
-};
-GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>& outputs);
+Json difference_json(const std::vector<double>& first, const std::vector<double>& second);
+Json group_json(const StudyNumbers& numbers, const StudyColumn& column, const std::vector<double>& outputs);
+Json pair_json(const std::vector<double>& first, const std::vector<double>& second);
 
 /// Two levels of a column as pairs: cases that differ in nothing else. Of a table's column (study_subjects.h) nothing
 /// else are all other own columns but the one that the table's rows are of, and all other columns of the table.
@@ -67,13 +48,7 @@ StudyPairs study_pairs(const StudyNumbers& numbers, const std::string& option, c
 /// The column of this name that varies. Throws UsageError.
 int study_column(const StudyNumbers& numbers, const std::string& option, const std::string& name);
 
-struct PairNumbers {
-  BoxPlot first, second;
-  PairedDifference difference;  ///< first less second
-  EffectSize effect;            ///< d_z
-  BlandAltman agreement;
-};
-PairNumbers pair_numbers(const StudyPairs& pairs, const std::vector<double>& outputs);
+Json pair_json(const StudyPairs& pairs, const std::vector<double>& outputs);
 
 /// The instants that cycles are shown at: the states' own times where all cases share them, else percent of each
 /// cycle, linear between its states. Empty: there is no cycle.

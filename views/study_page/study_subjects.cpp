@@ -53,66 +53,34 @@ int find_model(const std::vector<std::string>& models, const std::string& cell) 
   return -1;
 }
 
-Keys model_keys(const StudyNumbers& n) {
-  Keys keys;
-  keys.column = kModel;
-  keys.names = short_names(n.head.models);
-  for (const StudyCase& c : n.cases) keys.of_case.push_back(c.model);
-  keys.find = [&models = n.head.models](const std::string& cell) { return find_model(models, cell); };
-  return keys;
-}
-
-std::optional<double> number_of(const std::string& text) {
-  try {
-    return parse_number(text);
-  } catch (const BadValue&) {
-    return std::nullopt;
-  }
-}
-
-Keys case_keys(const StudyNumbers& n) {
-  Keys keys;
-  keys.column = kCase;
-  for (std::size_t c = 0; c < n.cases.size(); ++c) {
-    keys.names.push_back(fmt::format("{}", n.cases[c].number));
-    keys.of_case.push_back(static_cast<int>(c));
-  }
-  keys.all_known = n.cases.size() == n.head.planned;
-  keys.find = [&n](const std::string& cell) {
-    const std::optional<double> x = number_of(cell);
-    const auto found = std::lower_bound(n.cases.begin(), n.cases.end(), x.value_or(0.0),
-                                        [](auto& c, double number) { return static_cast<double>(c.number) < number; });
-    return x && found != n.cases.end() && static_cast<double>(found->number) == *x
-               ? static_cast<int>(found - n.cases.begin())
-               : -1;
-  };
-  return keys;
-}
-
-Keys factor_keys(const StudyNumbers& n, const StudyColumn& column) {
-  Keys keys;
-  keys.column = column.name;
-  keys.names = column.levels;
-  keys.of_case = column.level;
-  keys.all_known = n.cases.size() == n.head.planned;
-  keys.find = [&column](const std::string& cell) {
-    const auto found = std::find(column.levels.begin(), column.levels.end(), cell);
-    if (found != column.levels.end()) return static_cast<int>(found - column.levels.begin());
-    const std::optional<double> x = column.numeric ? number_of(cell) : std::nullopt;
-    for (std::size_t l = 0; x && l < column.levels.size(); ++l)
-      if (column.numbers[l] == *x) return static_cast<int>(l);
-    return -1;
-  };
-  return keys;
-}
-
 Keys keys_of(const StudyNumbers& n, const std::string& name) {
-  if (same_word(name, kModel)) return model_keys(n);
-  if (same_word(name, kCase)) return case_keys(n);
+  Keys keys;
+  if (same_word(name, kModel)) {
+    keys.column = kModel;
+    keys.names = short_names(n.head.models);
+    for (const StudyCase& c : n.cases) keys.of_case.push_back(c.model);
+    keys.find = [&models = n.head.models](const std::string& cell) { return find_model(models, cell); };
+    return keys;
+  }
+  keys.all_known = n.cases.size() == n.head.planned;
+  if (same_word(name, kCase)) {
+    keys.column = kCase;
+    for (std::size_t c = 0; c < n.cases.size(); ++c) {
+      keys.names.push_back(fmt::format("{}", n.cases[c].number));
+      keys.of_case.push_back(static_cast<int>(c));
+    }
+    keys.find = [&n](const std::string& cell) { return n.case_of(number_in(cell).value_or(0.0)); };
+    return keys;
+  }
   for (const auto* columns : {&n.columns, &n.constant})
-    for (const StudyColumn& c : *columns)
-      if (c.of.empty() && same_word(c.name, name)) return factor_keys(n, c);
-  return {};  // subject_columns lets no other through
+    for (const StudyColumn& c : *columns) {
+      if (!c.of.empty() || !same_word(c.name, name)) continue;
+      keys.column = c.name;
+      keys.names = c.levels;
+      keys.of_case = c.level;
+      keys.find = [&c](const std::string& cell) { return c.find(cell); };
+    }
+  return keys;  // subject_columns lets no other name through
 }
 
 /// Per case: its row in the table.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 #include "src/base/error.h"
@@ -78,31 +77,18 @@ class Surfaces {
   std::map<std::tuple<int, std::string, std::string>, std::size_t> known_;
 };
 
-using Key = std::tuple<std::int64_t, int, int>;  // case, state, contact
-
 }  // namespace
 
 StudyFields study_fields(const std::string& path, const StudyNumbers& n) {
   StudyFields out;
-  const std::vector<StudyFieldKey> keys = list_fields(path);
-  if (keys.empty()) return out;
+  const std::vector<StudyFieldRow> rows = list_fields(path);
+  if (rows.empty()) return out;
   Surfaces surfaces(path, n.head.models.size());
-  std::map<Key, StudyContactArea> contacts;
-  for (StudyContactArea& a : read_contact_areas(path)) {
-    const Key key{a.case_id, a.state, a.contact_id};
-    contacts.emplace(key, std::move(a));
-  }
-  std::unordered_map<std::int64_t, std::size_t> index;
-  for (std::size_t c = 0; c < n.cases.size(); ++c) index[static_cast<std::int64_t>(n.cases[c].number)] = c;
-  std::set<std::pair<std::int64_t, int>> unsolved;
-  for (const StudyState& s : n.unsolved) unsolved.insert({s.case_id, s.state});
-  for (const StudyFieldKey& k : keys) {
-    const auto c = index.find(k.case_id);
-    const auto contact = contacts.find({k.case_id, k.state, k.contact_id});
-    if (c == index.end() || contact == contacts.end() || unsolved.count({k.case_id, k.state}) > 0) continue;
-    const StudyContactArea& of = contact->second;
-    const int surface = surfaces.of(n.cases[c->second].model, k.contact_id, of.contact, of.source, out.surfaces);
-    if (surface >= 0) out.fields.push_back({c->second, at(k.state - 1), surface, of.area});
+  for (const StudyFieldRow& r : rows) {
+    const int c = n.case_of(static_cast<double>(r.key.case_id));
+    if (c < 0 || !is_solution(r.outcome)) continue;
+    const int surface = surfaces.of(r.model, r.key.contact_id, r.contact, r.source, out.surfaces);
+    if (surface >= 0) out.fields.push_back({at(c), at(r.key.state - 1), surface, r.key.contact_id, r.contact_area});
   }
   return out;
 }
@@ -110,24 +96,22 @@ StudyFields study_fields(const std::string& path, const StudyNumbers& n) {
 void each_pressure(const std::string& path, const StudyNumbers& n, const StudyFields& fields,
                    const std::function<bool(const StudyField&)>& wanted,
                    const std::function<void(const StudyField&, std::vector<double>&&)>& each) {
-  std::map<Key, const StudyField*> known;
-  for (const StudyField& f : fields.fields)
-    if (wanted(f))
-      known[{static_cast<std::int64_t>(n.cases[f.c].number), static_cast<int>(f.state) + 1,
-             fields.surfaces[at(f.surface)].contact_id}] = &f;
-  const auto find = [&](const StudyFieldKey& k) { return known.find({k.case_id, k.state, k.contact_id}); };
-  read_fields(
-      path, [&](const StudyFieldKey& k) { return find(k) != known.end(); },
-      [&](const StudyFieldKey& k, std::vector<float>&& pressure) {
-        const StudyField& f = *find(k)->second;
-        const StudySurfaceMesh& s = fields.surfaces[at(f.surface)];
-        if (pressure.size() != s.stored_vertices)
-          throw InputError(fmt::format("{}: found {} pressures in case {}, state {}, expected {}: one per vertex", path,
-                                       pressure.size(), k.case_id, k.state, s.stored_vertices));
-        std::vector<double> values;
-        for (int v : s.geometry.mesh.model_nodes) values.push_back(static_cast<double>(pressure[at(v)]));
-        each(f, std::move(values));
-      });
+  std::vector<StudyFieldKey> keys;
+  std::vector<const StudyField*> of_keys;
+  for (const StudyField& f : fields.fields) {
+    if (!wanted(f)) continue;
+    keys.push_back({static_cast<std::int64_t>(n.cases[f.c].number), static_cast<int>(f.state) + 1, f.contact_id});
+    of_keys.push_back(&f);
+  }
+  read_fields(path, keys, [&](std::size_t i, std::vector<float>&& pressure) {
+    const StudySurfaceMesh& s = fields.surfaces[at(of_keys[i]->surface)];
+    if (pressure.size() != s.stored_vertices)
+      throw InputError(fmt::format("{}: found {} pressures in case {}, state {}, expected {}: one per vertex", path,
+                                   pressure.size(), keys[i].case_id, keys[i].state, s.stored_vertices));
+    std::vector<double> values;
+    for (int v : s.geometry.mesh.model_nodes) values.push_back(static_cast<double>(pressure[at(v)]));
+    each(*of_keys[i], std::move(values));
+  });
 }
 
 }  // namespace dea

@@ -3,7 +3,6 @@
 #pragma once
 #include <functional>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -25,9 +24,10 @@ struct StudySurfaceMesh {
 
 /// A stored field: pressure per vertex of its surface's geometry.
 struct StudyField {
-  std::size_t c = 0;           ///< index of the case in StudyNumbers
-  std::size_t state = 0;       ///< from 0
-  int surface = 0;             ///< index
+  std::size_t c = 0;      ///< index of the case in StudyNumbers
+  std::size_t state = 0;  ///< from 0
+  int surface = 0;        ///< index
+  int contact_id = 0;
   double contact_area = kNaN;  ///< of facets in contact
 };
 
