@@ -25,6 +25,7 @@ namespace dea::python {
 namespace {
 
 using Numbers = std::vector<double>;
+using IntArray = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
 Numbers numbers(const DoubleArray& a) { return {a.data(), a.data() + a.size()}; }
 
@@ -47,8 +48,7 @@ std::vector<Vector3d> points(const DoubleArray& a, const char* what) {
 
 Vector3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-ResultSurface surface_of(const DoubleArray& vertices,
-                         const py::array_t<int, py::array::c_style | py::array::forcecast>& t) {
+ResultSurface surface_of(const DoubleArray& vertices, const IntArray& t) {
   const std::vector<Vector3d> x = points(vertices, "vertices");
   if (t.ndim() != 2 || t.shape(1) != 3) throw UsageError("triangles: expected an array of three columns");
   std::vector<int> begin = {0}, nodes(t.data(), t.data() + t.size());
@@ -260,21 +260,19 @@ void bind_statistics(py::module_& m) {
     const Regions r = sectors(points(x, "points"), vector_of(center), vector_of(axis), vector_of(start), count);
     return py::make_tuple(kept(r.index), texts(r.names));
   });
-  m.def("socket_regions",
-        [](const DoubleArray& vertices, const py::array_t<int, py::array::c_style | py::array::forcecast>& triangles,
-           const std::array<double, 3>& up, const std::array<double, 3>& anterior) {
-          const Regions r = socket_regions(points(vertices, "vertices"), surface_frame(surface_of(vertices, triangles)),
-                                           vector_of(up), vector_of(anterior));
-          return py::make_tuple(kept(r.index), texts(r.names));
-        });
-  m.def("vertex_areas",
-        [](const DoubleArray& vertices, const py::array_t<int, py::array::c_style | py::array::forcecast>& triangles) {
-          const ResultSurface s = surface_of(vertices, triangles);
-          Numbers areas(static_cast<std::size_t>(vertices.shape(0)), 0.0);
-          const Numbers own = nodal_areas(s);
-          for (std::size_t v = 0; v < own.size(); ++v) areas[at(s.mesh.model_nodes[v])] = own[v];
-          return kept(areas);
-        });
+  m.def("socket_regions", [](const DoubleArray& vertices, const IntArray& triangles, const std::array<double, 3>& up,
+                             const std::array<double, 3>& anterior) {
+    const Regions r = socket_regions(points(vertices, "vertices"), surface_frame(surface_of(vertices, triangles)),
+                                     vector_of(up), vector_of(anterior));
+    return py::make_tuple(kept(r.index), texts(r.names));
+  });
+  m.def("vertex_areas", [](const DoubleArray& vertices, const IntArray& triangles) {
+    const ResultSurface s = surface_of(vertices, triangles);
+    Numbers areas(static_cast<std::size_t>(vertices.shape(0)), 0.0);
+    const Numbers own = nodal_areas(s);
+    for (std::size_t v = 0; v < own.size(); ++v) areas[at(s.mesh.model_nodes[v])] = own[v];
+    return kept(areas);
+  });
 }
 
 }  // namespace dea::python

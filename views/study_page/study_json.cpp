@@ -130,10 +130,9 @@ std::vector<BandGroup> band_groups(const StudyNumbers& n) {
   for (std::size_t k = 0; k < n.columns.size(); ++k) {
     const StudyColumn& column = n.columns[k];
     if (column.levels.size() > kMostLevels) continue;
-    const std::size_t first = groups.size();
-    for (std::size_t l = 0; l < column.levels.size(); ++l)
-      groups.push_back({static_cast<int>(k), static_cast<int>(l), {}});
-    for (std::size_t c = 0; c < n.cases.size(); ++c) groups[first + at(column.level[c])].cases.push_back(c);
+    int level = 0;
+    for (std::vector<std::size_t>& cases : column.cases())
+      groups.push_back({static_cast<int>(k), level++, std::move(cases)});
   }
   return groups;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -159,17 +160,17 @@ std::optional<CommonGrid> common_grid(const std::vector<const StudySurfaceMesh*>
 /// Cases whose fields are averaged; the first group has all.
 struct MeanGroup {
   std::string title;
-  std::vector<char> has;  ///< per case
+  std::vector<std::size_t> cases;
 };
 
 std::vector<MeanGroup> mean_groups(const StudyNumbers& n, int column) {
-  std::vector<MeanGroup> groups = {{"all cases", std::vector<char>(n.cases.size(), 1)}};
+  std::vector<MeanGroup> groups = {{"all cases", std::vector<std::size_t>(n.cases.size())}};
+  std::iota(groups[0].cases.begin(), groups[0].cases.end(), std::size_t{0});
   if (column < 0) return groups;
   const StudyColumn& c = n.columns[at(column)];
-  for (std::size_t l = 0; l < std::min(kMostMeanGroups, c.levels.size()); ++l) {
-    groups.push_back({fmt::format("{} = {}", c.name, c.levels[l]), std::vector<char>(n.cases.size(), 0)});
-    for (std::size_t i = 0; i < n.cases.size(); ++i) groups.back().has[i] = at(c.level[i]) == l ? 1 : 0;
-  }
+  const std::vector<std::vector<std::size_t>> cases = c.cases();
+  for (std::size_t l = 0; l < std::min(kMostMeanGroups, cases.size()); ++l)
+    groups.push_back({fmt::format("{} = {}", c.name, c.levels[l]), cases[l]});
   return groups;
 }
 
@@ -178,13 +179,12 @@ using FieldsOfKind = std::map<std::size_t, std::vector<double>>;
 
 /// What maps are averaged on: a surface, or a common grid of several.
 struct MeanPlaces {
-  std::vector<char> surfaces;       ///< per surface: its fields count
-  std::vector<std::size_t> source;  ///< per surface: index in grid->sources
+  std::vector<int> source;  ///< per surface: index in grid->sources; -1: its fields do not count
   const CommonGrid* grid = nullptr;
   std::vector<double> areas;  ///< per place
 
   std::vector<double> values(const StudyField& f, std::vector<double>&& pressure) const {
-    return grid == nullptr ? std::move(pressure) : grid->sampled(source[at(f.surface)], pressure);
+    return grid == nullptr ? std::move(pressure) : grid->sampled(at(source[at(f.surface)]), pressure);
   }
 };
 
@@ -194,7 +194,7 @@ FieldsOfKind fields_of_state(const std::string& path, const StudyNumbers& n, con
   FieldsOfKind found;
   each_pressure(
       path, n, fields,
-      [&](const StudyField& f) { return places.surfaces[at(f.surface)] != 0 && f.state == state && taken[f.c] != 0; },
+      [&](const StudyField& f) { return places.source[at(f.surface)] >= 0 && f.state == state && taken[f.c] != 0; },
       [&](const StudyField& f, std::vector<double>&& p) { found[f.c] = places.values(f, std::move(p)); });
   return found;
 }
@@ -212,7 +212,7 @@ FieldsOfKind cycle_means(const std::string& path, const StudyNumbers& n, const S
     states.clear();
   };
   each_pressure(
-      path, n, fields, [&](const StudyField& f) { return places.surfaces[at(f.surface)] != 0 && taken[f.c] != 0; },
+      path, n, fields, [&](const StudyField& f) { return places.source[at(f.surface)] >= 0 && taken[f.c] != 0; },
       [&](const StudyField& f, std::vector<double>&& p) {
         if (now == nullptr || f.c != now->c) end_case();
         now = &f;
@@ -224,8 +224,8 @@ FieldsOfKind cycle_means(const std::string& path, const StudyNumbers& n, const S
 
 std::vector<std::vector<double>> fields_of_group(const FieldsOfKind& fields, const MeanGroup& group) {
   std::vector<std::vector<double>> out;
-  for (const auto& [c, values] : fields)
-    if (group.has[c] != 0) out.push_back(values);
+  for (std::size_t c : group.cases)
+    if (const auto found = fields.find(c); found != fields.end()) out.push_back(found->second);
   return out;
 }
 
@@ -280,7 +280,7 @@ Json kinds_json(const std::string& path, const StudyNumbers& n, const StudyField
                 const std::vector<MeanGroup>& groups, std::vector<std::string>& notes, PageArrays& arrays) {
   std::vector<char> stored(n.cases.size(), 0), taken(n.cases.size(), 0);
   for (const StudyField& f : fields.fields)
-    if (places.surfaces[at(f.surface)] != 0) stored[f.c] = 1;
+    if (places.source[at(f.surface)] >= 0) stored[f.c] = 1;
   const auto count = static_cast<std::size_t>(std::count(stored.begin(), stored.end(), 1));
   Json kinds = Json::array();
   if (count < 2) return kinds;
@@ -297,12 +297,8 @@ Json kinds_json(const std::string& path, const StudyNumbers& n, const StudyField
 }
 
 MeanPlaces places_of(const StudyFields& fields, const std::vector<std::size_t>& surfaces) {
-  MeanPlaces places{std::vector<char>(fields.surfaces.size(), 0), std::vector<std::size_t>(fields.surfaces.size(), 0),
-                    nullptr, fields.surfaces[surfaces.front()].areas};
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    places.surfaces[surfaces[i]] = 1;
-    places.source[surfaces[i]] = i;
-  }
+  MeanPlaces places{std::vector<int>(fields.surfaces.size(), -1), nullptr, fields.surfaces[surfaces.front()].areas};
+  for (std::size_t i = 0; i < surfaces.size(); ++i) places.source[surfaces[i]] = static_cast<int>(i);
   return places;
 }
 

@@ -285,9 +285,15 @@ int StudyColumn::find(const std::string& text) const {
   return -1;
 }
 
+std::vector<std::vector<std::size_t>> StudyColumn::cases() const {
+  std::vector<std::vector<std::size_t>> of_level(levels.size());
+  for (std::size_t c = 0; c < level.size(); ++c) of_level[at(level[c])].push_back(c);
+  return of_level;
+}
+
 std::vector<double> StudyColumn::values() const {
   std::vector<double> out;
-  for (int l : level) out.push_back(numeric ? numbers[at(l)] : kNaN);
+  for (int l : level) out.push_back(numbers[at(l)]);
   return out;
 }
 

@@ -39,7 +39,9 @@ struct StudyColumn {
   std::vector<int> level;           ///< per case: index
   /// Index of a level; numbers are compared as numbers: 8 is 8.0. -1: there is none.
   int find(const std::string& text) const;
-  /// Per case; NaN: words.
+  /// Indices of the cases of each level.
+  std::vector<std::vector<std::size_t>> cases() const;
+  /// Number of the level, per case.
   std::vector<double> values() const;
 };
 

@@ -96,10 +96,7 @@ int best_connected(const StudyNumbers& n) {
 /// Of the study's own columns.
 std::vector<std::vector<double>> column_numbers(const StudyNumbers& n) {
   std::vector<std::vector<double>> numbers;
-  for (std::size_t k = 0; k < n.own_columns(); ++k) {
-    numbers.emplace_back();
-    for (int l : n.columns[k].level) numbers.back().push_back(n.columns[k].numbers[at(l)]);
-  }
+  for (std::size_t k = 0; k < n.own_columns(); ++k) numbers.push_back(n.columns[k].values());
   return numbers;
 }
 
@@ -263,12 +260,10 @@ Json difference_json(const std::vector<double>& first, const std::vector<double>
 Json group_json(const StudyNumbers& n, const StudyColumn& column, const std::vector<double>& found) {
   constexpr std::size_t kMostOutliers = 200;  // as rings
   const std::vector<double> outputs = without_rounding(found);
-  std::vector<std::vector<double>> values(column.levels.size());
-  std::vector<std::vector<std::size_t>> cases(column.levels.size());
-  for (std::size_t c = 0; c < outputs.size(); ++c) {
-    values[at(column.level[c])].push_back(outputs[c]);
-    cases[at(column.level[c])].push_back(c);
-  }
+  const std::vector<std::vector<std::size_t>> cases = column.cases();
+  std::vector<std::vector<double>> values(cases.size());
+  for (std::size_t l = 0; l < cases.size(); ++l)
+    for (std::size_t c : cases[l]) values[l].push_back(outputs[c]);
   Json boxes = Json::array(), differences = Json::array();
   for (std::size_t l = 0; l < values.size(); ++l) {
     const BoxPlot box = box_plot(values[l]);
