@@ -281,7 +281,6 @@ TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::
   return m;
 }
 
-/// A region of every file: name and its facets there.
 /// Axis and centre of regions and profile.
 SurfaceFrame chosen_frame(const SurfaceFrame& own, const CompareOptions& options, const std::string& surface) {
   SurfaceFrame frame = own;
@@ -308,13 +307,18 @@ std::vector<double> facet_correlations(const std::vector<Side>& sides, const std
   return out;
 }
 
-/// 1: it is all there.
-double carried_share(const Side& from, const Side& onto, const NodeMatch& match, std::vector<double> carried) {
-  const double own = resultant(from.geometry, from.values.pressure);
-  if (match.same_mesh || !(own > 0)) return 1.0;
+/// Of facets, by values carried to the vertices; what is not covered counts as 0.
+std::vector<double> carried_facets(const ResultSurface& onto, std::vector<double> carried) {
   for (double& p : carried)
     if (std::isnan(p)) p = 0.0;
-  return resultant(onto.geometry, facet_average(onto.geometry, carried)) / own;
+  return facet_average(onto, carried);
+}
+
+/// 1: it is all there.
+double carried_share(const Side& from, const Side& onto, const NodeMatch& match, const std::vector<double>& carried) {
+  const double own = resultant(from.geometry, from.values.pressure);
+  if (match.same_mesh || !(own > 0)) return 1.0;
+  return resultant(onto.geometry, carried_facets(onto.geometry, carried)) / own;
 }
 
 /// One surface in all files, before anything is compared.
@@ -467,22 +471,6 @@ XpltVariable surface_variable(const std::string& name, const std::string& units)
   return xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units);
 }
 
-std::vector<float> floats(const std::vector<double>& values) {
-  std::vector<float> out;
-  for (double x : values) out.push_back(static_cast<float>(x));
-  return out;
-}
-
-/// A file's facet values on the facets of the first file's surface.
-std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
-                             const std::vector<double>& facets) {
-  if (match.same_mesh) return facets;
-  std::vector<double> nodal = carry_values(match, own, nodal_average(own, facets));
-  for (double& p : nodal)
-    if (std::isnan(p)) p = 0.0;
-  return facet_average(first, nodal);
-}
-
 /// Per written state the state of each file.
 std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files, const CompareOptions& options,
                                             const Comparison& comparison) {
@@ -532,7 +520,9 @@ struct SurfaceOnFirst {
   std::vector<NodeMatch> matches;
   int region() const { return sides.front().surface + 1; }
   std::vector<double> carried(std::size_t file, const std::vector<double>& facets) const {
-    return on_first(matches[file], sides.front().geometry, sides[file].geometry, facets);
+    if (matches[file].same_mesh) return facets;
+    const ResultSurface& own = sides[file].geometry;
+    return carried_facets(sides.front().geometry, carry_values(matches[file], own, nodal_average(own, facets)));
   }
 };
 
@@ -541,7 +531,7 @@ void add_compared_values(const std::vector<ResultFile>& files, const SurfaceOnFi
                          const std::vector<int>& pair, const CompareOptions& options, bool time_fields, std::size_t v,
                          XpltState& state) {
   const auto add = [&](const std::vector<double>& values) {
-    state.variables[v++].push_back({surface.region(), floats(values)});
+    state.variables[v++].push_back({surface.region(), {values.begin(), values.end()}});
   };
   std::vector<std::vector<double>> pressure;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -564,6 +554,17 @@ void add_compared_values(const std::vector<ResultFile>& files, const SurfaceOnFi
   }
 }
 
+/// The thresholds that are taken by themselves are of pressures in MPa. Empty: so are the files, or nobody knows.
+std::string low_thresholds(const CompareOptions& options, const std::string& system) {
+  const UnitNames units = unit_names(system);
+  const double megapascal = units.newtons > 0 ? 1e6 * units.metres * units.metres / units.newtons : 1.0;  // in units
+  if (options.thresholds != CompareOptions().thresholds || megapascal < 10) return "";
+  return fmt::format(
+      "note: thresholds 0.1 and 0.5 are in the files' unit, {}, where 1 MPa is {:g}: all contact is above "
+      "them; give others with --threshold",
+      units.pressure, megapascal);
+}
+
 }  // namespace
 
 double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas) {
@@ -582,21 +583,6 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
                     file.path, time_text(file.xplt.states[at(state)].time)));
   return with_areas_of(std::move(mesh), *moved);
 }
-
-namespace {
-
-/// The thresholds that are taken by themselves are of pressures in MPa. Empty: so are the files, or nobody knows.
-std::string low_thresholds(const CompareOptions& options, const std::string& system) {
-  const UnitNames units = unit_names(system);
-  const double megapascal = units.newtons > 0 ? 1e6 * units.metres * units.metres / units.newtons : 1.0;  // in units
-  if (options.thresholds != CompareOptions().thresholds || megapascal < 10) return "";
-  return fmt::format(
-      "note: thresholds 0.1 and 0.5 are in the files' unit, {}, where 1 MPa is {:g}: all contact is above "
-      "them; give others with --threshold",
-      units.pressure, megapascal);
-}
-
-}  // namespace
 
 std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
                                  const std::vector<SurfaceIn>& on, const CompareOptions& options,

@@ -12,8 +12,6 @@
 
 namespace dea {
 
-using ByteColour = std::array<std::uint8_t, 3>;
-
 /// 256 colours for all frames: the map's steps as they are drawn, those of the paper, lines over the map, and the greys
 /// between paper and letters.
 std::vector<ByteColour> gif_palette(ColourMap map, bool dark);

@@ -200,24 +200,16 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
       if (--waiting[at(next)] == 0) ready.push_back(next);
     }
   };
-  for (int start : order) {  // farthest first; three that cover each other in turn are cut open there
-    if (done[at(start)] || p.layer[at(start)] < 0 || waiting[at(start)] > 0) continue;
-    ready.push_back(start);
-    while (!ready.empty()) {
-      const int t = ready.back();
-      ready.pop_back();
-      if (!done[at(t)]) settle_layer(t);
+  for (const bool cut_open : {false, true})  // three that cover each other in turn are cut open
+    for (int start : order) {                // at the farthest
+      if (done[at(start)] || p.layer[at(start)] < 0 || (!cut_open && waiting[at(start)] > 0)) continue;
+      ready.push_back(start);
+      while (!ready.empty()) {
+        const int t = ready.back();
+        ready.pop_back();
+        if (!done[at(t)]) settle_layer(t);
+      }
     }
-  }
-  for (int start : order) {
-    if (done[at(start)] || p.layer[at(start)] < 0) continue;
-    ready.push_back(start);
-    while (!ready.empty()) {
-      const int t = ready.back();
-      ready.pop_back();
-      if (!done[at(t)]) settle_layer(t);
-    }
-  }
   for (int l : p.layer) p.layers = std::max(p.layers, l + 1);
 }
 
@@ -295,6 +287,41 @@ void cut_triangle(const MapMesh& mesh, const Projection& p, const TriangleMask& 
     add(above(k) ? corner(k) : crossing(k), above(k + 1) ? corner(k + 1) : crossing(k));
   }
   if (leaves >= 0 && enters >= 0) add(crossing(leaves), crossing(enters));
+}
+
+/// The edges of triangles of `in` beyond which no triangle goes on: `goes_on(t, other)`.
+template <class GoesOn>
+std::vector<Polyline> open_edges(const MapMesh& mesh, const Projection& p, const TriangleMask& in, GoesOn goes_on) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (!in[at(t)]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other >= 0 && goes_on(t, other)) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
+    }
+  }
+  return chain(std::move(pieces));
+}
+
+std::vector<Polyline> cut_triangles(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
+                                    const std::vector<double>& values, double level, bool region) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t)
+    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, region, t, pieces);
+  return chain(std::move(pieces));
+}
+
+/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
+double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
+  const auto& v = mesh.triangles[at(t)];
+  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
+  std::sort(x.begin(), x.end());
+  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
+  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
+  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
+  return 1.0;
 }
 
 }  // namespace
@@ -454,34 +481,6 @@ TriangleMask layer_triangles(const MapMesh& mesh, const Projection& p, int layer
   return in;
 }
 
-namespace {
-
-/// The edges of triangles of `in` beyond which no triangle goes on: `goes_on(t, other)`.
-template <class GoesOn>
-std::vector<Polyline> open_edges(const MapMesh& mesh, const Projection& p, const TriangleMask& in, GoesOn goes_on) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (!in[at(t)]) continue;
-    for (int k = 0; k < 3; ++k) {
-      const int other = mesh.neighbours[at(t)][at(k)];
-      if (other >= 0 && goes_on(t, other)) continue;
-      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
-      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
-    }
-  }
-  return chain(std::move(pieces));
-}
-
-std::vector<Polyline> cut_triangles(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
-                                    const std::vector<double>& values, double level, bool region) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t)
-    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, region, t, pieces);
-  return chain(std::move(pieces));
-}
-
-}  // namespace
-
 std::vector<Polyline> outline(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
   return open_edges(mesh, p, in, [&](int, int other) { return in[at(other)] != 0; });
 }
@@ -518,21 +517,6 @@ Polyline smoothed(const Polyline& line) {
   }
   return now;
 }
-
-namespace {
-
-/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
-double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
-  const auto& v = mesh.triangles[at(t)];
-  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
-  std::sort(x.begin(), x.end());
-  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
-  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
-  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
-  return 1.0;
-}
-
-}  // namespace
 
 double area_above(const MapMesh& mesh, const std::vector<double>& values, double level) {
   double area = 0.0;

@@ -12,9 +12,11 @@
 #include "src/base/unit_names.h"
 #include "src/run/analysis.h"
 #include "views/compare/compare_files.h"
+#include "views/map/map_geometry.h"
 #include "views/map/map_scale.h"
 #include "views/page/page_charts.h"
 #include "views/page/page_context.h"
+#include "views/page/page_parts.h"
 #include "views/text/table.h"
 
 namespace dea {
@@ -51,11 +53,6 @@ struct PageCarry {
   std::vector<float> weights;
 };
 
-/// Ends and lines of maps (views/map/map_scale.h), and the values they are for.
-struct PageScale {
-  MapScale scale;
-  ValueRange range;
-};
 struct PageScales {
   PageScale all;  ///< of all states of all results
   std::vector<PageScale> frames;
@@ -82,8 +79,7 @@ struct PageSurface {
   std::vector<std::vector<std::vector<std::optional<PagePattern>>>> patterns;  ///< frame, region, result
   std::vector<double> bins;                                                    ///< of the profile: edges [degrees]
   std::vector<std::vector<std::vector<double>>> profiles;                      ///< frame, result, bin
-  Vector3d axis = Vector3d::UnitZ(), up = Vector3d::UnitY(), center = Vector3d::Zero();  ///< how to look at it first
-  double radius = 1.0;                                                                   ///< of a ball about it
+  MapView view;                                                                ///< how to look at it first
 };
 
 /// States that are shown together.
