@@ -251,13 +251,16 @@ History history(const ResultFile& file, int last, const std::string& name) {
   return h;
 }
 
-TimeSums nodal_sums(const History& h, const ResultSurface& geometry, std::optional<double> dose_above) {
+std::optional<TimeSums> nodal_sums(const History& h, const ResultSurface& geometry, std::optional<double> dose_above) {
+  if (h.times.size() < 2) return std::nullopt;
   std::vector<std::vector<double>> nodal;
   for (const auto& p : h.pressure) nodal.push_back(nodal_average(geometry, p));
   return over_time(h.times, nodal, dose_above);
 }
 
-TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::vector<double>& areas) {
+TimeMeasures time_measures(const std::optional<TimeSums>& of, const std::vector<double>& areas) {
+  if (!of) return {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  const TimeSums& sums = *of;
   TimeMeasures m;
   double area = 0.0;
   m.max_dose = m.mean_dose = sums.dose.empty() ? kNaN : 0.0;
@@ -277,7 +280,6 @@ TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::
     m.mean_exposure /= area;
     m.mean_dose /= area;
   }
-  if (states < 2) m = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};  // one state is no history
   return m;
 }
 
@@ -323,12 +325,10 @@ double carried_share(const Side& from, const Side& onto, const NodeMatch& match,
 
 /// One surface in all files, before anything is compared.
 struct SurfaceInFiles {
-  std::vector<Side> sides;                   ///< per file; the last is the reference
-  std::vector<TimeSums> sums;                ///< per file, over `summed_states`
-  std::vector<std::size_t> summed_states;    ///< per file
-  std::vector<NodeMatch> matches;            ///< per file but the reference
-  std::vector<double> by_reference;          ///< the same: share of its area that the reference covers
-  std::vector<std::vector<double>> carried;  ///< nodal pressure of each of them on the reference's nodes
+  std::vector<Side> sides;                    ///< per file; the last is the reference
+  std::vector<std::optional<TimeSums>> sums;  ///< per file; none: one state is no history
+  std::vector<NodeMatch> matches;             ///< per file but the reference
+  std::vector<std::vector<double>> carried;   ///< nodal pressure of each of them on the reference's nodes
 };
 
 SurfaceInFiles read_sides(const std::vector<ResultFile>& files, const std::vector<int>& states,
@@ -343,15 +343,15 @@ SurfaceInFiles read_sides(const std::vector<ResultFile>& files, const std::vecto
       warnings.push_back(
           fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time",
                       files[i].path, h.left_out, names[i]));
-    in.summed_states.push_back(h.times.size());
     in.sums.push_back(nodal_sums(h, in.sides.back().geometry, options.dose_above));
   }
   return in;
 }
 
 /// Finds the reference's nodes on the other files' surfaces, and says how well they fit.
-void match_sides(const std::vector<ResultFile>& files, const std::vector<std::string>& names, SurfaceInFiles& in,
+void match_sides(const std::vector<ResultFile>& files, SurfaceInFiles& in, ComparedSurface& compared,
                  std::vector<std::string>& warnings) {
+  const std::vector<std::string>& names = compared.names;
   const Side& reference = in.sides.back();
   const ResultFile& last = files.back();
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
@@ -367,18 +367,21 @@ void match_sides(const std::vector<ResultFile>& files, const std::vector<std::st
           fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
                       "correlation, rms and Dice",
                       names[i], files[i].label, 100 * match.covered, names.back(), last.label));
-    in.by_reference.push_back(match.same_mesh ? 1.0 : match_nodes(side.geometry, reference.geometry).covered);
-    if (in.by_reference.back() < 0.99)
+    const double by_reference = match.same_mesh ? 1.0 : match_nodes(side.geometry, reference.geometry).covered;
+    if (by_reference < 0.99)
       warnings.push_back(fmt::format(
           "warning: surface \"{}\" of {} reaches beyond: only {:.1f}% of it is covered by \"{}\" of {}; the rest "
           "counts in its own numbers, and is left out of correlation, rms and Dice",
-          names[i], files[i].label, 100 * in.by_reference.back(), names.back(), last.label));
+          names[i], files[i].label, 100 * by_reference, names.back(), last.label));
     if (std::abs(side.facts.carried - 1) > 0.01)
       warnings.push_back(fmt::format(
           "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
           "correlation, rms and Dice are of that",
           files[i].label, names[i], last.label, 100 * side.facts.carried));
     in.matches.push_back(match);
+    compared.same_mesh.push_back(match.same_mesh);
+    compared.covered.push_back(match.covered);
+    compared.covered_by_reference.push_back(by_reference);
   }
 }
 
@@ -389,7 +392,7 @@ ComparedRegion compare_region(const SurfaceInFiles& in, const Region& region, co
     const Side& side = in.sides[i];
     r.headlines.push_back(headline(side.geometry, side.values.pressure, region.masks[i]));
     r.results.push_back(measure(side.geometry, side.values, thresholds, region.masks[i]));
-    r.over_time.push_back(time_measures(in.sums[i], in.summed_states[i], nodal_areas(side.geometry, region.masks[i])));
+    r.over_time.push_back(time_measures(in.sums[i], nodal_areas(side.geometry, region.masks[i])));
   }
   const Side& reference = in.sides.back();
   const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
@@ -405,12 +408,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   ComparedSurface compared;
   compared.names = names;
   SurfaceInFiles in = read_sides(files, states, names, options, warnings);
-  match_sides(files, names, in, warnings);
-  for (const NodeMatch& match : in.matches) {
-    compared.same_mesh.push_back(match.same_mesh);
-    compared.covered.push_back(match.covered);
-  }
-  compared.covered_by_reference = in.by_reference;
+  match_sides(files, in, compared, warnings);
   for (const Side& side : in.sides) {
     compared.facets.push_back(side.geometry.facets());
     compared.facts.push_back(side.facts);
@@ -420,7 +418,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   for (std::size_t i = 0; i < files.size(); ++i)
     rows.push_back({&files[i], states[i], in.sides[i].surface, &in.sides[i].values.pressure,
                     headline(in.sides[i].geometry, in.sides[i].values.pressure).above});
-  if (std::all_of(in.matches.begin(), in.matches.end(), [](const NodeMatch& m) { return m.same_mesh; }))
+  if (std::all_of(compared.same_mesh.begin(), compared.same_mesh.end(), [](char same) { return same != 0; }))
     compared.inside = compare_inside(rows);
   SurfaceFrame frame = chosen_frame(reference.frame, options, names.back());
   std::vector<SurfaceIn> on;

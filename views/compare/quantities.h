@@ -10,24 +10,23 @@ namespace dea {
 
 /// A number that exists for every file, and how to call it.
 struct Quantity {
-  std::string name;  ///< of the table
-  std::string key;   ///< of CSV
+  std::string name;  ///< of the table's line, or of the column of CSV
   std::vector<double> values;
   bool compared = true;  ///< false: a difference of two of them says nothing
   Dimension dimension = Dimension::Pressure;
 };
 
 template <class Get>
-Quantity quantity(const std::string& name, const std::string& key, const ComparedRegion& region, Get get,
+Quantity quantity(const std::string& name, const ComparedRegion& region, Get get,
                   Dimension dimension = Dimension::Pressure) {
-  Quantity q{name, key, {}, true, dimension};
+  Quantity q{name, {}, true, dimension};
   for (const SurfaceMeasures& m : region.results) q.values.push_back(get(m));
   return q;
 }
 
 /// One of the headline numbers.
 inline Quantity headline_quantity(const HeadlineNumber& number, const ComparedRegion& region) {
-  Quantity q{number.name, std::string("headline_") + number.name, {}};
+  Quantity q{number.name, {}};
   if (number.value == &Headline::area) q.dimension = Dimension::Area;
   for (const Headline& h : region.headlines) q.values.push_back(h.*number.value);
   return q;

@@ -116,8 +116,11 @@ Json pose_json(const std::optional<BodyPose>& pose) {
 /// The columns after those of csv_quantities.
 std::vector<Quantity> last_csv_quantities(const ComparedRegion& region) {
   std::vector<Quantity> out;
-  for (const HeadlineNumber& number : kHeadlineNumbers) out.push_back(headline_quantity(number, region));
-  out.push_back({"", "headline_above", {}});
+  for (const HeadlineNumber& number : kHeadlineNumbers) {
+    out.push_back(headline_quantity(number, region));
+    out.back().name.insert(0, "headline_");
+  }
+  out.push_back({"headline_above", {}});
   for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
   return out;
 }
@@ -134,11 +137,11 @@ std::vector<Quantity> inside_quantities(const Comparison& c, const ComparedSurfa
       const InsideMeasure& measure = kInsideMeasures[m];
       const std::string key = fmt::format("inside_{}_{}", name(which), measure.name);
       for (const InsideNumber& number : kInsideNumbers) {
-        out.push_back({"", fmt::format("{}_{}", key, number.name), std::vector<double>(c.labels.size(), kNaN)});
+        out.push_back({fmt::format("{}_{}", key, number.name), std::vector<double>(c.labels.size(), kNaN)});
         for (std::size_t i = 0; there && i < c.labels.size(); ++i)
           out.back().values[i] = row->results[i].*measure.value.*number.value;
       }
-      out.push_back({"", key + "_correlation", std::vector<double>(c.labels.size(), kNaN)});
+      out.push_back({key + "_correlation", std::vector<double>(c.labels.size(), kNaN)});
       for (std::size_t i = 0; there && i + 1 < c.labels.size(); ++i) out.back().values[i] = row->correlation[i][m];
     }
   }
@@ -152,26 +155,26 @@ std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface&
   for (std::size_t k = 0; k < c.thresholds.size(); ++k) {
     for (const bool nodes : {true, false}) {
       for (const DistributionNumber& share : kDistributionNumbers) {
-        out.push_back(quantity(
-            "", fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]), region,
-            [&](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*share.value; }));
+        out.push_back(
+            quantity(fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]), region,
+                     [&](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*share.value; }));
       }
     }
   }
   const auto vector = [&](const std::string& key, Vector3d SurfaceMeasures::*value) {
     for (int k = 0; k < 3; ++k)
-      out.push_back(quantity("", key + "xyz"[k], region, [=](const SurfaceMeasures& m) { return (m.*value)[k]; }));
+      out.push_back(quantity(key + "xyz"[k], region, [=](const SurfaceMeasures& m) { return (m.*value)[k]; }));
   };
   vector("resultant_", &SurfaceMeasures::resultant);
   vector("center_of_pressure_", &SurfaceMeasures::center_of_pressure);
-  out.push_back(quantity("", "mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
-  out.push_back(quantity("", "max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+  out.push_back(quantity("mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
+  out.push_back(quantity("max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
   for (const TimeNumber& sum : kTimeNumbers) {
-    out.push_back({"", sum.key, {}});
+    out.push_back({sum.key, {}});
     for (const TimeMeasures& m : region.over_time) out.back().values.push_back(m.*sum.value);
   }
   const auto difference = [&](const std::string& key, auto get) {
-    out.push_back({"", key, {}});
+    out.push_back({key, {}});
     for (std::size_t i = 0; i < region.differences.size(); ++i) out.back().values.push_back(get(i));
     out.back().values.push_back(kNaN);
   };
@@ -293,14 +296,14 @@ std::string compare_csv(const Comparison& c) {
       std::vector<Quantity> last = last_csv_quantities(region);
       if (inside)
         for (Quantity& q : inside_quantities(c, surface, region)) last.push_back(std::move(q));
-      last.push_back({"", "covered_by_reference", surface.covered_by_reference});
+      last.push_back({"covered_by_reference", surface.covered_by_reference});
       last.back().values.push_back(kNaN);
-      last.push_back({"", "solved", std::vector<double>(c.solved.begin(), c.solved.end())});
+      last.push_back({"solved", std::vector<double>(c.solved.begin(), c.solved.end())});
       if (text.empty()) {
         text = "label,file,time,surface,region";
-        for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);
+        for (const Quantity& q : quantities) text += fmt::format(",{}", q.name);
         text += ",areas";
-        for (const Quantity& q : last) text += fmt::format(",{}", q.key);
+        for (const Quantity& q : last) text += fmt::format(",{}", q.name);
         text += '\n';
       }
       for (std::size_t i = 0; i < c.labels.size(); ++i) {

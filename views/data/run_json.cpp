@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
@@ -157,16 +156,14 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   j["joints"] = Json::array();
   for (std::size_t c = 0; c < e.connector_force.size() && c < joint.connectors.size(); ++c) {
     const Connector& connector = joint.connectors[c];
-    Json item;
-    item["name"] = connector.name;
-    item["type"] = connector.type;
-    item["body_a"] = joint.bodies[at(connector.body_a)].name;
-    item["body_b"] = joint.bodies[at(connector.body_b)].name;
-    item["force"] = json_vector(e.connector_force[c].head<3>());
-    item["moment"] = json_vector(e.connector_force[c].tail<3>());
-    item["translation"] = json_vector(e.connector_motion[c].head<3>());
-    item["rotation"] = json_vector(e.connector_motion[c].tail<3>());
-    j["joints"].push_back(item);
+    j["joints"].push_back({{"name", connector.name},
+                           {"type", connector.type},
+                           {"body_a", joint.bodies[at(connector.body_a)].name},
+                           {"body_b", joint.bodies[at(connector.body_b)].name},
+                           {"force", json_vector(e.connector_force[c].head<3>())},
+                           {"moment", json_vector(e.connector_force[c].tail<3>())},
+                           {"translation", json_vector(e.connector_motion[c].head<3>())},
+                           {"rotation", json_vector(e.connector_motion[c].tail<3>())}});
   }
   return j;
 }

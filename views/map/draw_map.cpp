@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -150,9 +151,7 @@ void center_marker(Pen& pen, const Vector2d& p, double size) {
   stroke_marker(pen, size);
 }
 
-struct Box {
-  Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
-};
+using Box = Eigen::AlignedBox2d;
 
 /// Angles from the pole of an unrolled map at which there are circles.
 std::vector<double> angle_circles(const MapSurface& s) {
@@ -176,28 +175,23 @@ Box extent(const MapSurface& s) {
   Box box;
   for (int t = 0; t < s.mesh.size(); ++t) {
     if (s.projection.layer[at(t)] < 0) continue;
-    for (int v : s.mesh.triangles[at(t)]) {
-      box.low = box.low.cwiseMin(s.projection.points[at(v)]);
-      box.high = box.high.cwiseMax(s.projection.points[at(v)]);
-    }
+    for (int v : s.mesh.triangles[at(t)]) box.extend(s.projection.points[at(v)]);
   }
-  if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
+  if (box.isEmpty()) box.extend(Vector2d(0, 0));
   if (s.view.unrolled) {
     const std::vector<double> angles = angle_circles(s);
     const double r = angles.empty() ? 0.0 : circle_radius(s, angles.back());
-    box.low = box.low.cwiseMin(Vector2d(-r, -r));
-    box.high = box.high.cwiseMax(Vector2d(r, r));
+    box.extend(Vector2d(-r, -r));
+    box.extend(Vector2d(r, r));
   }
   return box;
 }
 
-bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const Vector2d& high) {
-  Vector2d a = triangle[0], b = triangle[0];
-  for (const Vector2d& p : triangle) {
-    a = a.cwiseMin(p);
-    b = b.cwiseMax(p);
-  }
-  if ((a.array() > high.array()).any() || (b.array() < low.array()).any()) return false;
+bool touches(const std::array<Vector2d, 3>& triangle, const Box& box) {
+  Box around;
+  for (const Vector2d& p : triangle) around.extend(p);
+  if (!around.intersects(box)) return false;
+  const Vector2d &low = box.min(), &high = box.max();
   for (int k = 0; k < 3; ++k) {  // an edge with the whole box beyond it
     const Vector2d& p = triangle[at(k)];
     const Vector2d d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
@@ -214,8 +208,8 @@ bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const
 /// possible.
 void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const MapSurface& s, const Box& box,
                  const Paper& paper) {
-  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.low.x(), box.high.y()}),
-                 high = place({box.high.x(), box.low.y()});
+  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.min().x(), box.max().y()}),
+                 high = place({box.max().x(), box.min().y()});
   pen.font(12.5);
   std::vector<std::array<Vector2d, 3>> valued;  // on paper
   for (int t = 0; t < s.mesh.size(); ++t) {
@@ -224,7 +218,7 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
     valued.push_back({corner(0), corner(1), corner(2)});
   }
   std::vector<Box> taken;
-  const auto take = [&](const Vector2d& p, double r) { taken.push_back({p - Vector2d(r, r), p + Vector2d(r, r)}); };
+  const auto take = [&](const Vector2d& p, double r) { taken.emplace_back(p - Vector2d(r, r), p + Vector2d(r, r)); };
   if (panel.peak) take(place(*panel.peak) - Vector2d(0, 5), 8);
   if (panel.center_of_pressure) take(place(*panel.center_of_pressure), 8);
   for (double angle : angle_circles(s)) {
@@ -249,15 +243,15 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
       const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
       if (p.x() < low.x() - 1 || p.x() > high.x() + 1 || p.y() < low.y() - 1 || p.y() > high.y() + 1) continue;
       std::size_t covered = 0;
-      for (const auto& triangle : valued) covered += touches(triangle, p - half, p + half) ? 1 : 0;
+      for (const auto& triangle : valued) covered += touches(triangle, {p - half, p + half}) ? 1 : 0;
       for (const Box& b : taken)
-        if (((p + half).array() > b.low.array()).all() && ((p - half).array() < b.high.array()).all())
+        if (((p + half).array() > b.min().array()).all() && ((p - half).array() < b.max().array()).all())
           covered += 1000000;
       if (covered >= least) continue;
       least = covered;
       best = p;
     }
-    taken.push_back({best - half, best + half});
+    taken.emplace_back(best - half, best + half);
     pen.use(paper.text);
     pen.text_on(best.x() - half.x() + 2, best.y() + 4.5, text, paper.background);
   }
@@ -571,10 +565,7 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
         millimetres, std::max(0.0, l.panel_width / millimetre), l.columns, std::ceil(60 / millimetre),
         std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
   Vector2d most = Vector2d::Constant(1e-300);
-  for (const MapSurface& s : figure.surfaces) {
-    const Box box = extent(s);
-    most = most.cwiseMax(box.high - box.low);
-  }
+  for (const MapSurface& s : figure.surfaces) most = most.cwiseMax(extent(s).sizes());
   constexpr double kRound = 8.0;  // room for markers and labels at the rim
   l.scale = std::min((l.panel_width - 2 * kRound) / most.x(), (1.15 * l.panel_width - 2 * kRound) / most.y());
   l.map_height = most.y() * l.scale + 2 * kRound;
@@ -620,7 +611,6 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
   }
   for (int i = 0; i < static_cast<int>(figure.panels.size()); ++i) {
     const MapPanel& panel = figure.panels[at(i)];
-    const Box box = extent(figure.surfaces[at(panel.surface)]);
     const double x = l.panel_x(i), y = l.panel_y(i);
     pen.font(kBold, true);
     pen.use(paper.text);
@@ -634,7 +624,7 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
     pen.text(x, y + 2 * kText + 4, line == panel.numbers.end() ? panel.numbers.back() : *line);
     Placing place;
     place.scale = l.scale;
-    const Vector2d middle = 0.5 * (box.low + box.high);
+    const Vector2d middle = extent(figure.surfaces[at(panel.surface)]).center();
     place.origin = {x + 0.5 * l.panel_width - l.scale * middle.x(),
                     y + l.header + 0.5 * l.map_height + l.scale * middle.y()};
     draw_panel(pen, place, figure, panel, paper, std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));

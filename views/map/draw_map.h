@@ -2,7 +2,6 @@
 // bitmaps.
 #pragma once
 #include <string>
-#include <vector>
 
 #include "views/map/map_figure.h"
 #include "views/map/picture_format.h"

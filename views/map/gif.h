@@ -1,7 +1,5 @@
 // views/map/gif.h – pictures that move, as GIF: frame by frame, in colours that are those of the map.
 #pragma once
-#include <array>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>

@@ -1,5 +1,6 @@
 #include "views/map/map_geometry.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -96,32 +97,30 @@ struct MapGrid {
 
 MapGrid make_grid(const MapMesh& mesh, const Projection& p) {
   MapGrid grid;
-  const auto extend = [&](int t, Vector2d& low, Vector2d& high) {
-    for (int v : mesh.triangles[at(t)]) {
-      low = low.cwiseMin(p.points[at(v)]);
-      high = high.cwiseMax(p.points[at(v)]);
-    }
+  const auto around = [&](int t) {
+    Eigen::AlignedBox2d box;
+    for (int v : mesh.triangles[at(t)]) box.extend(p.points[at(v)]);
+    return box;
   };
-  Vector2d low = Vector2d::Constant(1e300), high = -low;
+  Eigen::AlignedBox2d all;
   int drawn = 0;
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
     ++drawn;
-    extend(t, low, high);
+    all.extend(around(t));
   }
   if (drawn < 2) return grid;
   const int n = grid.n = std::clamp(static_cast<int>(std::sqrt(drawn / 2.0)), 1, 1000);
-  const Vector2d cell = ((high - low) / n).cwiseMax(1e-300);
+  const Vector2d cell = (all.sizes() / n).cwiseMax(1e-300);
   grid.cells.resize(at(n) * at(n));
   grid.boxes.resize(mesh.triangles.size());
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
-    Vector2d a = p.points[at(mesh.triangles[at(t)][0])], b = a;
-    extend(t, a, b);
+    const Eigen::AlignedBox2d of = around(t);
     auto& box = grid.boxes[at(t)];
     for (int i = 0; i < 2; ++i) {
-      box[at(i)] = std::clamp(static_cast<int>((a[i] - low[i]) / cell[i]), 0, n - 1);
-      box[at(i + 2)] = std::clamp(static_cast<int>((b[i] - low[i]) / cell[i]), 0, n - 1);
+      box[at(i)] = std::clamp(static_cast<int>((of.min()[i] - all.min()[i]) / cell[i]), 0, n - 1);
+      box[at(i + 2)] = std::clamp(static_cast<int>((of.max()[i] - all.min()[i]) / cell[i]), 0, n - 1);
     }
     for (int j = box[1]; j <= box[3]; ++j)
       for (int i = box[0]; i <= box[2]; ++i) grid.cells[at(j) * at(n) + at(i)].push_back(t);
@@ -562,12 +561,10 @@ double level_enclosing(const MapMesh& mesh, double wanted, const std::vector<dou
     double area = whole;
     for (const Cut& x : cut) area += share_above(mesh, points, x.triangle, middle) * mesh.areas[at(x.triangle)];
     (area > wanted ? low : high) = middle;
-    cut.erase(std::remove_if(cut.begin(), cut.end(),
-                             [&](const Cut& x) {
-                               if (x.least >= high) whole += mesh.areas[at(x.triangle)];
-                               return x.least >= high || x.most < low;
-                             }),
-              cut.end());
+    std::erase_if(cut, [&](const Cut& x) {
+      if (x.least >= high) whole += mesh.areas[at(x.triangle)];
+      return x.least >= high || x.most < low;
+    });
   }
   return std::max(high, kLeast);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <utility>
 
 #include "io/settings/setting_words.h"
@@ -13,7 +12,7 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/rules/rules.h"
-#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
 #include "views/text/compare_text.h"
 #include "views/text/run_text.h"
 

@@ -13,8 +13,6 @@
 #include "src/run/analysis.h"
 #include "views/compare/compare_files.h"
 #include "views/map/map_geometry.h"
-#include "views/map/map_scale.h"
-#include "views/page/page_charts.h"
 #include "views/page/page_context.h"
 #include "views/page/page_parts.h"
 #include "views/text/table.h"
@@ -89,6 +87,17 @@ struct PageFrame {
   std::vector<int> unsolved = {};  ///< results whose state here is no solution
 };
 
+/// A curve over time of `dea run`.
+struct PageChart {
+  std::string title, caption;
+  std::string quantity;   ///< of the axis
+  std::string dimension;  ///< "pressure", "force", "length", "area", "degrees", "": pure number
+  bool logarithmic = false;
+  std::vector<double> times;
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;  ///< per name; NaN: a gap
+};
+
 struct PageText {
   std::string title, text;
 };
@@ -109,6 +118,9 @@ struct PageData {
   std::vector<PageText> texts;
   std::vector<std::string> warnings;
 };
+
+/// Force, pressures and area of contacts; motion of bodies; tension of ligaments; how well all balances.
+std::vector<PageChart> run_charts(const Analysis& analysis);
 
 /// `to` wherever `from` stands.
 void replace_all(std::string& text, const std::string& from, const std::string& to);

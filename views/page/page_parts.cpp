@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "io/files/encoded_text.h"
-#include "src/base/numbers.h"
 #include "src/version.h"
 #include "views/map/colour_map.h"
 #include "views/page/page.h"
@@ -111,12 +111,9 @@ Json scale_json(const PageScale& s) {
 }
 
 Json view_json(const MapView& view, const std::vector<Vector3d>& points) {
-  Vector3d low = Vector3d::Constant(kInfinity), high = -low;
-  for (const Vector3d& x : points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const Vector3d center = 0.5 * (low + high);
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& x : points) box.extend(x);
+  const Vector3d center = box.center();
   double radius = 0.0;
   for (const Vector3d& x : points) radius = std::max(radius, (x - center).norm());
   return {{"axis", json_vector(view.toward)},

@@ -2,7 +2,6 @@
 // them.
 #pragma once
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "src/results/comparison.h"

@@ -19,11 +19,12 @@ std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%"
 
 /// The table's lines with all that there is beside the headline numbers.
 std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
-  std::vector<Quantity> out = {{"threshold of the lines above", "", {}}};
+  std::vector<Quantity> out;
+  out.push_back({"threshold of the lines above", {}});
   for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
   using M = const SurfaceMeasures&;
   const auto add = [&](const std::string& name, auto get, Dimension dimension = Dimension::Pressure) {
-    out.push_back(quantity(name, "", region, get, dimension));
+    out.push_back(quantity(name, region, get, dimension));
   };
   for (const DistributionNumber& number : kDistributionNumbers) {
     const std::string name = number.name;
@@ -53,9 +54,9 @@ std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std:
 /// The lines about the whole surface that rest on what the files say of themselves.
 std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
   const bool deformed = c.areas == CompareAreas::Deformed;
-  Quantity area{"area of the whole surface", "", {}, true, Dimension::Area},
-      force{"contact force of the file", "", {}, true, Dimension::Force},
-      share{"resultant, % of it", "", {}, false, Dimension::None};
+  Quantity area{"area of the whole surface", {}, true, Dimension::Area},
+      force{"contact force of the file", {}, true, Dimension::Force},
+      share{"resultant, % of it", {}, false, Dimension::None};
   for (const SurfaceFacts& f : surface.facts) {
     area.values.push_back(deformed ? f.deformed_area : f.area);
     force.values.push_back(f.contact_force ? f.contact_force->norm() : kNaN);
@@ -124,7 +125,7 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   if (!details && !c.dose_above) return table;
   for (const TimeNumber& number : kTimeNumbers) {
     if (number.words == nullptr) continue;
-    Quantity q{number.words, "", {}};
+    Quantity q{number.words, {}};
     if (number.value != &TimeMeasures::mean_peak) q.dimension = Dimension::None;  // times have no unit here
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*number.value);
     if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/settings/setting_words.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
-#include "src/run/analysis.h"
-#include "src/run/recognise.h"
 #include "views/text/run_text.h"
 
 namespace dea {

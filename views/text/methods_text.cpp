@@ -13,7 +13,6 @@
 #include "src/base/time_text.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/model/settings_table.h"
-#include "src/run/recognise.h"
 #include "views/text/info_text.h"
 #include "views/text/run_text.h"
 
