@@ -13,7 +13,6 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "views/map/gif.h"
-#include "views/map/map_paint.h"
 
 namespace dea {
 

@@ -13,7 +13,6 @@
 #include "python/work.h"
 #include "views/map/draw_map.h"
 #include "views/map/map_figure.h"
-#include "views/map/map_paint.h"
 #include "views/map/map_scale.h"
 
 namespace dea::python {

@@ -3,7 +3,7 @@
 #include "python/errors.h"
 #include "python/plain.h"
 #include "src/rules/rules.h"
-#include "views/data/finding_json.h"
+#include "views/data/json.h"
 
 namespace dea::python {
 

@@ -19,7 +19,6 @@
 #include "views/map/draw_map.h"
 #include "views/map/gif.h"
 #include "views/map/map_figure.h"
-#include "views/map/map_paint.h"
 
 namespace dea::animation_test {
 

@@ -67,6 +67,13 @@ std::size_t times_in(const std::string& text, const std::string& what) {
 
 // ---- packing ----
 
+/// As page/data.js reads a code (pack.h).
+double restore(const Codes& c, std::size_t i) {
+  if (c.codes[i] == 65535) return std::numeric_limits<double>::quiet_NaN();
+  const double fraction = c.codes[i] / 65534.0;
+  return c.least * (1.0 - fraction) + c.most * fraction;
+}
+
 TEST(ReportPack, IntegersComeBack) {
   std::mt19937 random(1);
   std::vector<std::int32_t> values = {-1, 0, 2147483647, -2147483647 - 1, 5, 5, -1};

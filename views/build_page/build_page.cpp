@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 
 #include "io/files/output.h"
 #include "src/base/numbers.h"
@@ -55,33 +54,12 @@ std::vector<float> floats(const std::vector<double>& values) {
   return out;
 }
 
-/// [low, high, step, least, most] for maps of all layers; null: no value. From 0 where nothing lies below. `usual`: the
-/// end where the largest value means little; 0: there is none.
-Json scale_json(const ValueRange& range, std::optional<double> high, double usual) {
-  if (range.empty()) return nullptr;
-  ScaleKind kind;
-  kind.pressure = false;
-  kind.usual = usual;
-  kind.high = high;
+/// Of maps of all layers. From 0 where nothing lies below. `usual`: the end where the largest value means little; 0:
+/// there is none.
+Json scale_of_layers(const ValueRange& range, std::optional<double> high, double usual) {
+  ScaleKind kind = {ColourMap::Sequential, false, usual, std::nullopt, high};
   if (range.least >= 0) kind.low = 0;
-  const MapScale scale = map_scale(kind, range);
-  return {short_number(scale.low), short_number(scale.high), short_number(scale.step), short_number(range.least),
-          short_number(range.most)};
-}
-
-Json view_json(const MapView& view, const std::vector<Vector3d>& points) {
-  Vector3d low = points.front(), high = points.front();
-  for (const Vector3d& x : points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const Vector3d center = (low + high) / 2;
-  double radius = 0;
-  for (const Vector3d& x : points) radius = std::max(radius, (x - center).norm());
-  return {{"axis", json_vector(view.toward)},
-          {"up", json_vector(view.up)},
-          {"center", json_vector(center)},
-          {"radius", json_number(radius)}};
+  return scale_json({map_scale(kind, range), range});
 }
 
 /// How many prisms lie in each of kBins bins of [0, 1]; what is outside counts in the first or the last.
@@ -248,9 +226,9 @@ std::string build_page_html(const BuildPageInput& input) {
     page["layers"].push_back(layer_json(s, l, ranges, meshes, arrays));
   page["meshes"] = std::move(meshes);
   page["view"] = joint_view(input);
-  page["scales"] = {{"thickness", scale_json(ranges.thickness, std::nullopt, 0)},
-                    {"gap", scale_json(ranges.gap, std::nullopt, most_of_area_below(ranges.gap_areas))},
-                    {"jacobian", scale_json(ranges.jacobian, 1.0, 0)}};
+  page["scales"] = {{"thickness", scale_of_layers(ranges.thickness, std::nullopt, 0)},
+                    {"gap", scale_of_layers(ranges.gap, std::nullopt, most_of_area_below(ranges.gap_areas))},
+                    {"jacobian", scale_of_layers(ranges.jacobian, 1.0, 0)}};
   page["reach"] = json_number(s.report.reach);
   std::vector<TitledTable> tables = build_tables(s);
   tables.push_back(option_table(input));

@@ -251,13 +251,16 @@ History history(const ResultFile& file, int last, const std::string& name) {
   return h;
 }
 
-TimeSums nodal_sums(const History& h, const ResultSurface& geometry, std::optional<double> dose_above) {
+std::optional<TimeSums> nodal_sums(const History& h, const ResultSurface& geometry, std::optional<double> dose_above) {
+  if (h.times.size() < 2) return std::nullopt;
   std::vector<std::vector<double>> nodal;
   for (const auto& p : h.pressure) nodal.push_back(nodal_average(geometry, p));
   return over_time(h.times, nodal, dose_above);
 }
 
-TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::vector<double>& areas) {
+TimeMeasures time_measures(const std::optional<TimeSums>& of, const std::vector<double>& areas) {
+  if (!of) return {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  const TimeSums& sums = *of;
   TimeMeasures m;
   double area = 0.0;
   m.max_dose = m.mean_dose = sums.dose.empty() ? kNaN : 0.0;
@@ -277,11 +280,9 @@ TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::
     m.mean_exposure /= area;
     m.mean_dose /= area;
   }
-  if (states < 2) m = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};  // one state is no history
   return m;
 }
 
-/// A region of every file: name and its facets there.
 /// Axis and centre of regions and profile.
 SurfaceFrame chosen_frame(const SurfaceFrame& own, const CompareOptions& options, const std::string& surface) {
   SurfaceFrame frame = own;
@@ -308,23 +309,26 @@ std::vector<double> facet_correlations(const std::vector<Side>& sides, const std
   return out;
 }
 
-/// 1: it is all there.
-double carried_share(const Side& from, const Side& onto, const NodeMatch& match, std::vector<double> carried) {
-  const double own = resultant(from.geometry, from.values.pressure);
-  if (match.same_mesh || !(own > 0)) return 1.0;
+/// Of facets, by values carried to the vertices; what is not covered counts as 0.
+std::vector<double> carried_facets(const ResultSurface& onto, std::vector<double> carried) {
   for (double& p : carried)
     if (std::isnan(p)) p = 0.0;
-  return resultant(onto.geometry, facet_average(onto.geometry, carried)) / own;
+  return facet_average(onto, carried);
+}
+
+/// 1: it is all there.
+double carried_share(const Side& from, const Side& onto, const NodeMatch& match, const std::vector<double>& carried) {
+  const double own = resultant(from.geometry, from.values.pressure);
+  if (match.same_mesh || !(own > 0)) return 1.0;
+  return resultant(onto.geometry, carried_facets(onto.geometry, carried)) / own;
 }
 
 /// One surface in all files, before anything is compared.
 struct SurfaceInFiles {
-  std::vector<Side> sides;                   ///< per file; the last is the reference
-  std::vector<TimeSums> sums;                ///< per file, over `summed_states`
-  std::vector<std::size_t> summed_states;    ///< per file
-  std::vector<NodeMatch> matches;            ///< per file but the reference
-  std::vector<double> by_reference;          ///< the same: share of its area that the reference covers
-  std::vector<std::vector<double>> carried;  ///< nodal pressure of each of them on the reference's nodes
+  std::vector<Side> sides;                    ///< per file; the last is the reference
+  std::vector<std::optional<TimeSums>> sums;  ///< per file; none: one state is no history
+  std::vector<NodeMatch> matches;             ///< per file but the reference
+  std::vector<std::vector<double>> carried;   ///< nodal pressure of each of them on the reference's nodes
 };
 
 SurfaceInFiles read_sides(const std::vector<ResultFile>& files, const std::vector<int>& states,
@@ -339,15 +343,15 @@ SurfaceInFiles read_sides(const std::vector<ResultFile>& files, const std::vecto
       warnings.push_back(
           fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time",
                       files[i].path, h.left_out, names[i]));
-    in.summed_states.push_back(h.times.size());
     in.sums.push_back(nodal_sums(h, in.sides.back().geometry, options.dose_above));
   }
   return in;
 }
 
 /// Finds the reference's nodes on the other files' surfaces, and says how well they fit.
-void match_sides(const std::vector<ResultFile>& files, const std::vector<std::string>& names, SurfaceInFiles& in,
+void match_sides(const std::vector<ResultFile>& files, SurfaceInFiles& in, ComparedSurface& compared,
                  std::vector<std::string>& warnings) {
+  const std::vector<std::string>& names = compared.names;
   const Side& reference = in.sides.back();
   const ResultFile& last = files.back();
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
@@ -363,18 +367,21 @@ void match_sides(const std::vector<ResultFile>& files, const std::vector<std::st
           fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
                       "correlation, rms and Dice",
                       names[i], files[i].label, 100 * match.covered, names.back(), last.label));
-    in.by_reference.push_back(match.same_mesh ? 1.0 : match_nodes(side.geometry, reference.geometry).covered);
-    if (in.by_reference.back() < 0.99)
+    const double by_reference = match.same_mesh ? 1.0 : match_nodes(side.geometry, reference.geometry).covered;
+    if (by_reference < 0.99)
       warnings.push_back(fmt::format(
           "warning: surface \"{}\" of {} reaches beyond: only {:.1f}% of it is covered by \"{}\" of {}; the rest "
           "counts in its own numbers, and is left out of correlation, rms and Dice",
-          names[i], files[i].label, 100 * in.by_reference.back(), names.back(), last.label));
+          names[i], files[i].label, 100 * by_reference, names.back(), last.label));
     if (std::abs(side.facts.carried - 1) > 0.01)
       warnings.push_back(fmt::format(
           "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
           "correlation, rms and Dice are of that",
           files[i].label, names[i], last.label, 100 * side.facts.carried));
     in.matches.push_back(match);
+    compared.same_mesh.push_back(match.same_mesh);
+    compared.covered.push_back(match.covered);
+    compared.covered_by_reference.push_back(by_reference);
   }
 }
 
@@ -385,7 +392,7 @@ ComparedRegion compare_region(const SurfaceInFiles& in, const Region& region, co
     const Side& side = in.sides[i];
     r.headlines.push_back(headline(side.geometry, side.values.pressure, region.masks[i]));
     r.results.push_back(measure(side.geometry, side.values, thresholds, region.masks[i]));
-    r.over_time.push_back(time_measures(in.sums[i], in.summed_states[i], nodal_areas(side.geometry, region.masks[i])));
+    r.over_time.push_back(time_measures(in.sums[i], nodal_areas(side.geometry, region.masks[i])));
   }
   const Side& reference = in.sides.back();
   const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
@@ -401,12 +408,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   ComparedSurface compared;
   compared.names = names;
   SurfaceInFiles in = read_sides(files, states, names, options, warnings);
-  match_sides(files, names, in, warnings);
-  for (const NodeMatch& match : in.matches) {
-    compared.same_mesh.push_back(match.same_mesh);
-    compared.covered.push_back(match.covered);
-  }
-  compared.covered_by_reference = in.by_reference;
+  match_sides(files, in, compared, warnings);
   for (const Side& side : in.sides) {
     compared.facets.push_back(side.geometry.facets());
     compared.facts.push_back(side.facts);
@@ -416,7 +418,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   for (std::size_t i = 0; i < files.size(); ++i)
     rows.push_back({&files[i], states[i], in.sides[i].surface, &in.sides[i].values.pressure,
                     headline(in.sides[i].geometry, in.sides[i].values.pressure).above});
-  if (std::all_of(in.matches.begin(), in.matches.end(), [](const NodeMatch& m) { return m.same_mesh; }))
+  if (std::all_of(compared.same_mesh.begin(), compared.same_mesh.end(), [](char same) { return same != 0; }))
     compared.inside = compare_inside(rows);
   SurfaceFrame frame = chosen_frame(reference.frame, options, names.back());
   std::vector<SurfaceIn> on;
@@ -465,22 +467,6 @@ std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, c
 
 XpltVariable surface_variable(const std::string& name, const std::string& units) {
   return xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units);
-}
-
-std::vector<float> floats(const std::vector<double>& values) {
-  std::vector<float> out;
-  for (double x : values) out.push_back(static_cast<float>(x));
-  return out;
-}
-
-/// A file's facet values on the facets of the first file's surface.
-std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
-                             const std::vector<double>& facets) {
-  if (match.same_mesh) return facets;
-  std::vector<double> nodal = carry_values(match, own, nodal_average(own, facets));
-  for (double& p : nodal)
-    if (std::isnan(p)) p = 0.0;
-  return facet_average(first, nodal);
 }
 
 /// Per written state the state of each file.
@@ -532,7 +518,9 @@ struct SurfaceOnFirst {
   std::vector<NodeMatch> matches;
   int region() const { return sides.front().surface + 1; }
   std::vector<double> carried(std::size_t file, const std::vector<double>& facets) const {
-    return on_first(matches[file], sides.front().geometry, sides[file].geometry, facets);
+    if (matches[file].same_mesh) return facets;
+    const ResultSurface& own = sides[file].geometry;
+    return carried_facets(sides.front().geometry, carry_values(matches[file], own, nodal_average(own, facets)));
   }
 };
 
@@ -541,7 +529,7 @@ void add_compared_values(const std::vector<ResultFile>& files, const SurfaceOnFi
                          const std::vector<int>& pair, const CompareOptions& options, bool time_fields, std::size_t v,
                          XpltState& state) {
   const auto add = [&](const std::vector<double>& values) {
-    state.variables[v++].push_back({surface.region(), floats(values)});
+    state.variables[v++].push_back({surface.region(), {values.begin(), values.end()}});
   };
   std::vector<std::vector<double>> pressure;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -564,6 +552,17 @@ void add_compared_values(const std::vector<ResultFile>& files, const SurfaceOnFi
   }
 }
 
+/// The thresholds that are taken by themselves are of pressures in MPa. Empty: so are the files, or nobody knows.
+std::string low_thresholds(const CompareOptions& options, const std::string& system) {
+  const UnitNames units = unit_names(system);
+  const double megapascal = units.newtons > 0 ? 1e6 * units.metres * units.metres / units.newtons : 1.0;  // in units
+  if (options.thresholds != CompareOptions().thresholds || megapascal < 10) return "";
+  return fmt::format(
+      "note: thresholds 0.1 and 0.5 are in the files' unit, {}, where 1 MPa is {:g}: all contact is above "
+      "them; give others with --threshold",
+      units.pressure, megapascal);
+}
+
 }  // namespace
 
 double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas) {
@@ -582,21 +581,6 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
                     file.path, time_text(file.xplt.states[at(state)].time)));
   return with_areas_of(std::move(mesh), *moved);
 }
-
-namespace {
-
-/// The thresholds that are taken by themselves are of pressures in MPa. Empty: so are the files, or nobody knows.
-std::string low_thresholds(const CompareOptions& options, const std::string& system) {
-  const UnitNames units = unit_names(system);
-  const double megapascal = units.newtons > 0 ? 1e6 * units.metres * units.metres / units.newtons : 1.0;  // in units
-  if (options.thresholds != CompareOptions().thresholds || megapascal < 10) return "";
-  return fmt::format(
-      "note: thresholds 0.1 and 0.5 are in the files' unit, {}, where 1 MPa is {:g}: all contact is above "
-      "them; give others with --threshold",
-      units.pressure, megapascal);
-}
-
-}  // namespace
 
 std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
                                  const std::vector<SurfaceIn>& on, const CompareOptions& options,

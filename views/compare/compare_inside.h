@@ -1,7 +1,6 @@
 // views/compare/compare_inside.h – stress and strain of the same elements in several plot files.
 #pragma once
 #include <array>
-#include <string>
 #include <vector>
 
 #include "io/results/inside_rows.h"

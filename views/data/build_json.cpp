@@ -59,19 +59,15 @@ Json load_json(const BuildSummary& s, std::size_t i) {
                           {"force", json_vector(force_of(body, i))},
                           {"displacement", b.found ? json_vector(b.displacement[k]) : Json(nullptr)}});
   }
-  j["contacts"] = Json::array();
-  for (const BuildBalance::Contact& c : b.contacts)
-    j["contacts"].push_back({{"name", c.name}, {"headline", b.found ? headline_json(c.headline) : Json(nullptr)}});
+  j["contacts"] = list_json(b.contacts, [&](const BuildBalance::Contact& c) -> Json {
+    return {{"name", c.name}, {"headline", b.found ? headline_json(c.headline) : Json(nullptr)}};
+  });
   return j;
 }
 
 Json frame_json(const AnatomicalFrame& f) {
-  Json j;
-  j["name"] = f.name;
-  j["origin"] = json_vector(f.origin);
-  j["x"] = json_vector(f.axes.col(0));
-  j["y"] = json_vector(f.axes.col(1));
-  j["z"] = json_vector(f.axes.col(2));
+  Json j = {{"name", f.name}, {"origin", json_vector(f.origin)}};
+  for (int k = 0; k < 3; ++k) j[std::string(1, "xyz"[k])] = json_vector(f.axes.col(k));
   j["from"] = f.words;
   return j;
 }
@@ -82,9 +78,7 @@ Json hip_json(const HipMeasures& m) {
   j["head_bone"] = m.head_bone;
   j["side"] = name(m.side);
   j["axes"] = m.axes_words;
-  j["axes_x"] = json_vector(m.axes.col(0));
-  j["axes_y"] = json_vector(m.axes.col(1));
-  j["axes_z"] = json_vector(m.axes.col(2));
+  for (int k = 0; k < 3; ++k) j[std::string("axes_") + "xyz"[k]] = json_vector(m.axes.col(k));
   const auto sphere = [&](const std::string& name, const SphereFit& fit, int points) {
     j[name + "_center"] = json_vector(fit.center);
     j[name + "_radius"] = json_number(fit.radius);
@@ -106,14 +100,6 @@ Json hip_json(const HipMeasures& m) {
   return j;
 }
 
-}  // namespace
-
-bool all_balanced(const BuildSummary& s) {
-  return std::all_of(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return b.found; });
-}
-
-namespace {
-
 /// The joint surface that can bear a body's load: of each of its contacts the smaller side [mm^2].
 double bearing_area(const BuiltJoint& joint, const BuildReport& report, int body) {
   double area = 0;
@@ -126,6 +112,10 @@ double bearing_area(const BuiltJoint& joint, const BuildReport& report, int body
 }
 
 }  // namespace
+
+bool all_balanced(const BuildSummary& s) {
+  return std::all_of(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return b.found; });
+}
 
 std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report) {
   std::vector<std::string> lines;
@@ -173,9 +163,7 @@ Json build_json(const BuildSummary& s) {
   j["model"] = s.output;
   for (std::size_t b = 0; b < s.joint.bodies.size(); ++b) {
     const BuiltBody& body = s.joint.bodies[b];
-    Json one;
-    one["name"] = body.name;
-    one["center"] = json_vector(body.center);
+    Json one = {{"name", body.name}, {"center", json_vector(body.center)}};
     one["center_from"] = body.center_words;
     one["held"] = body.fixed;
     one["force"] = body.fixed ? Json(nullptr) : json_vector(body.force);
@@ -188,13 +176,12 @@ Json build_json(const BuildSummary& s) {
   }
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) j["layers"].push_back(layer_json(s, l));
   for (std::size_t c = 0; c < s.joint.contacts.size(); ++c) {
-    Json one;
-    one["name"] = s.joint.contacts[c].name;
-    one["primary"] = s.joint.layers[at(s.joint.contacts[c].primary)].name;
-    one["secondary"] = s.joint.layers[at(s.joint.contacts[c].secondary)].name;
-    one["least_gap"] = json_number(s.report.contacts[c].least_gap);
-    one["facing"] = json_number(s.report.contacts[c].facing);
-    j["contacts"].push_back(one);
+    const BuiltContact& contact = s.joint.contacts[c];
+    j["contacts"].push_back({{"name", contact.name},
+                             {"primary", s.joint.layers[at(contact.primary)].name},
+                             {"secondary", s.joint.layers[at(contact.secondary)].name},
+                             {"least_gap", json_number(s.report.contacts[c].least_gap)},
+                             {"facing", json_number(s.report.contacts[c].facing)}});
   }
   const auto failed =
       std::find_if(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return !b.found; });
@@ -206,8 +193,7 @@ Json build_json(const BuildSummary& s) {
   j["findings"] = s.report.findings;
   for (std::size_t i = 0; i < s.balances.size(); ++i) j["loads"].push_back(load_json(s, i));
   j["side"] = s.anatomy.side ? Json(name(*s.anatomy.side)) : Json(nullptr);
-  j["frames"] = Json::array();
-  for (const AnatomicalFrame& f : s.anatomy.frames) j["frames"].push_back(frame_json(f));
+  j["frames"] = list_json(s.anatomy.frames, frame_json);
   j["hip"] = s.anatomy.hip ? hip_json(*s.anatomy.hip) : Json(nullptr);
   j["warnings"] = build_warnings(s);
   return j;

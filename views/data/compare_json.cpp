@@ -15,23 +15,25 @@ namespace dea {
 namespace {
 
 Json distribution_json(const Distribution& d, double threshold) {
-  Json j;
-  j["above"] = threshold;
-  for (const DistributionNumber& share : kDistributionNumbers) j[share.name] = json_number(d.*share.value);
+  Json j = {{"above", threshold}};
+  j.update(numbers_json(d, kDistributionNumbers));
   return j;
 }
 
+/// The numbers of a table (kHeadlineNumbers): how far those of `a` are from those of `b`.
+template <class Of, class Numbers>
+void add_percents(const Of& a, const Of& b, const Numbers& numbers, Json& j) {
+  for (const auto& number : numbers) j[number.name] = json_number(percent_difference(a.*number.value, b.*number.value));
+}
+
 Json percent_json(const Distribution& a, const Distribution& b, double threshold) {
-  Json j;
-  j["above"] = threshold;
-  for (const DistributionNumber& share : kDistributionNumbers)
-    j[share.name] = json_number(percent_difference(a.*share.value, b.*share.value));
+  Json j = {{"above", threshold}};
+  add_percents(a, b, kDistributionNumbers, j);
   return j;
 }
 
 Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t i) {
   const SurfaceMeasures& m = region.results[i];
-  const TimeMeasures& t = region.over_time[i];
   Json j;
   j["label"] = c.labels[i];
   for (const bool nodes : {true, false}) {
@@ -43,9 +45,7 @@ Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t 
   j["center_of_pressure"] = json_vector(m.center_of_pressure);
   j["mean_penetration"] = json_number(m.mean_penetration);
   j["max_penetration"] = json_number(m.max_penetration);
-  j["over_time"] = {{"max_peak", json_number(t.max_peak)},         {"mean_peak", json_number(t.mean_peak)},
-                    {"max_exposure", json_number(t.max_exposure)}, {"mean_exposure", json_number(t.mean_exposure)},
-                    {"max_dose", json_number(t.max_dose)},         {"mean_dose", json_number(t.mean_dose)}};
+  j["over_time"] = numbers_json(region.over_time[i], kTimeNumbers);
   j["headline"] = headline_json(region.headlines[i]);
   return j;
 }
@@ -96,9 +96,7 @@ Json difference_json(const Comparison& c, const ComparedSurface& surface, const 
       list.push_back(percent_json(nodes ? a.nodes[k] : a.facets[k], nodes ? b.nodes[k] : b.facets[k], c.thresholds[k]));
   }
   p["resultant"] = json_number(percent_difference(a.resultant.norm(), b.resultant.norm()));
-  for (const HeadlineNumber& number : kHeadlineNumbers)
-    p["headline"][number.name] =
-        json_number(percent_difference(region.headlines[i].*number.value, region.headlines.back().*number.value));
+  add_percents(region.headlines[i], region.headlines.back(), kHeadlineNumbers, p["headline"]);
   j["covered_by_reference"] = json_number(surface.covered_by_reference[i]);
   return j;
 }
@@ -115,11 +113,14 @@ Json pose_json(const std::optional<BodyPose>& pose) {
   return j;
 }
 
-/// The columns after all others.
+/// The columns after those of csv_quantities.
 std::vector<Quantity> last_csv_quantities(const ComparedRegion& region) {
   std::vector<Quantity> out;
-  for (const HeadlineNumber& number : kHeadlineNumbers) out.push_back(headline_quantity(number, region));
-  out.push_back({"", "headline_above", {}});
+  for (const HeadlineNumber& number : kHeadlineNumbers) {
+    out.push_back(headline_quantity(number, region));
+    out.back().name.insert(0, "headline_");
+  }
+  out.push_back({"headline_above", {}});
   for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
   return out;
 }
@@ -136,11 +137,11 @@ std::vector<Quantity> inside_quantities(const Comparison& c, const ComparedSurfa
       const InsideMeasure& measure = kInsideMeasures[m];
       const std::string key = fmt::format("inside_{}_{}", name(which), measure.name);
       for (const InsideNumber& number : kInsideNumbers) {
-        out.push_back({"", fmt::format("{}_{}", key, number.name), std::vector<double>(c.labels.size(), kNaN)});
+        out.push_back({fmt::format("{}_{}", key, number.name), std::vector<double>(c.labels.size(), kNaN)});
         for (std::size_t i = 0; there && i < c.labels.size(); ++i)
           out.back().values[i] = row->results[i].*measure.value.*number.value;
       }
-      out.push_back({"", key + "_correlation", std::vector<double>(c.labels.size(), kNaN)});
+      out.push_back({key + "_correlation", std::vector<double>(c.labels.size(), kNaN)});
       for (std::size_t i = 0; there && i + 1 < c.labels.size(); ++i) out.back().values[i] = row->correlation[i][m];
     }
   }
@@ -154,36 +155,28 @@ std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface&
   for (std::size_t k = 0; k < c.thresholds.size(); ++k) {
     for (const bool nodes : {true, false}) {
       for (const DistributionNumber& share : kDistributionNumbers) {
-        const auto value = share.value;
         out.push_back(
-            quantity("", fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]),
-                     region, [=](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*value; }));
+            quantity(fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]), region,
+                     [&](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*share.value; }));
       }
     }
   }
-  const char* xyz[3] = {"x", "y", "z"};
-  for (int k = 0; k < 3; ++k)
-    out.push_back(quantity("", fmt::format("resultant_{}", xyz[k]), region,
-                           [k](const SurfaceMeasures& m) { return m.resultant[k]; }));
-  for (int k = 0; k < 3; ++k)
-    out.push_back(quantity("", fmt::format("center_of_pressure_{}", xyz[k]), region,
-                           [k](const SurfaceMeasures& m) { return m.center_of_pressure[k]; }));
-  out.push_back(quantity("", "mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
-  out.push_back(quantity("", "max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
-  const std::pair<const char*, double TimeMeasures::*> sums[] = {
-      {"max_peak_over_time", &TimeMeasures::max_peak}, {"mean_peak_over_time", &TimeMeasures::mean_peak},
-      {"max_exposure", &TimeMeasures::max_exposure},   {"mean_exposure", &TimeMeasures::mean_exposure},
-      {"max_dose", &TimeMeasures::max_dose},           {"mean_dose", &TimeMeasures::mean_dose}};
-  for (const auto& sum : sums) {
-    Quantity q{"", sum.first, {}};
-    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*sum.second);
-    out.push_back(std::move(q));
+  const auto vector = [&](const std::string& key, Vector3d SurfaceMeasures::*value) {
+    for (int k = 0; k < 3; ++k)
+      out.push_back(quantity(key + "xyz"[k], region, [=](const SurfaceMeasures& m) { return (m.*value)[k]; }));
+  };
+  vector("resultant_", &SurfaceMeasures::resultant);
+  vector("center_of_pressure_", &SurfaceMeasures::center_of_pressure);
+  out.push_back(quantity("mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
+  out.push_back(quantity("max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+  for (const TimeNumber& sum : kTimeNumbers) {
+    out.push_back({sum.key, {}});
+    for (const TimeMeasures& m : region.over_time) out.back().values.push_back(m.*sum.value);
   }
   const auto difference = [&](const std::string& key, auto get) {
-    Quantity q{"", key, {}};
-    for (std::size_t i = 0; i < region.differences.size(); ++i) q.values.push_back(get(i));
-    q.values.push_back(kNaN);
-    out.push_back(std::move(q));
+    out.push_back({key, {}});
+    for (std::size_t i = 0; i < region.differences.size(); ++i) out.back().values.push_back(get(i));
+    out.back().values.push_back(kNaN);
   };
   difference("correlation", [&](std::size_t i) { return region.differences[i].correlation; });
   difference("facet_correlation", [&](std::size_t i) { return region.facet_correlation[i]; });
@@ -212,21 +205,12 @@ Json profile_json(const Comparison& c, const ComparedSurface& surface) {
   Json j;
   j["axis"] = json_vector(surface.axis);
   j["center"] = json_vector(surface.center);
+  const auto bin = [](const ProfileBin& b) -> Json {
+    return {{"from", b.from}, {"to", b.to}, {"area", json_number(b.area)}, {"mean", json_number(b.mean)}};
+  };
   j["results"] = Json::array();
-  for (std::size_t i = 0; i < c.labels.size(); ++i) {
-    Json bins = Json::array();
-    for (const ProfileBin& b : surface.profiles[i])
-      bins.push_back({{"from", b.from}, {"to", b.to}, {"area", json_number(b.area)}, {"mean", json_number(b.mean)}});
-    j["results"].push_back({{"label", c.labels[i]}, {"bins", std::move(bins)}});
-  }
-  return j;
-}
-
-Json inside_json(const InsideStatistics& s) {
-  Json j;
-  for (const InsideMeasure& measure : kInsideMeasures)
-    for (const InsideNumber& number : kInsideNumbers)
-      j[measure.name][number.name] = json_number(s.*measure.value.*number.value);
+  for (std::size_t i = 0; i < c.labels.size(); ++i)
+    j["results"].push_back({{"label", c.labels[i]}, {"bins", list_json(surface.profiles[i], bin)}});
   return j;
 }
 
@@ -235,7 +219,8 @@ Json row_json(const Comparison& c, const ComparedRow& row) {
   j["results"] = Json::array();
   for (std::size_t i = 0; i < c.labels.size(); ++i) {
     Json result = {{"label", c.labels[i]}};
-    result.update(inside_json(row.results[i]));
+    for (const InsideMeasure& measure : kInsideMeasures)
+      result[measure.name] = numbers_json(row.results[i].*measure.value, kInsideNumbers);
     j["results"].push_back(std::move(result));
   }
   j["differences"] = Json::array();
@@ -259,28 +244,21 @@ Json surface_json(const Comparison& c, const ComparedSurface& surface) {
   j["facets"] = surface.facets;
   j["files"] = Json::array();
   for (std::size_t i = 0; i < c.labels.size(); ++i) j["files"].push_back(facts_json(c, surface.facts[i], i));
-  j["regions"] = Json::array();
-  for (const ComparedRegion& region : surface.regions) j["regions"].push_back(region_json(c, surface, region));
+  j["regions"] = list_json(surface.regions, [&](const ComparedRegion& r) { return region_json(c, surface, r); });
   if (!surface.profiles.empty()) j["profile"] = profile_json(c, surface);
-  j["inside"] = Json::array();
-  for (const ComparedRow& row : surface.inside) j["inside"].push_back(row_json(c, row));
+  j["inside"] = list_json(surface.inside, [&](const ComparedRow& row) { return row_json(c, row); });
   return j;
 }
 
 Json compared_body_json(const ComparedBody& body) {
   Json j;
   j["name"] = body.name;
-  j["results"] = Json::array();
-  for (const auto& pose : body.results) j["results"].push_back(pose_json(pose));
-  j["differences"] = Json::array();
-  for (const auto& d : body.differences) {
-    Json difference = nullptr;
-    if (d) {
-      difference = {{"translation", json_vector(d->translation)}, {"rotation", nullptr}};
-      if (d->rotation) difference["rotation"] = json_vector(*d->rotation);
-    }
-    j["differences"].push_back(std::move(difference));
-  }
+  j["results"] = list_json(body.results, pose_json);
+  j["differences"] = list_json(body.differences, [](const std::optional<PoseDifference>& d) -> Json {
+    if (!d) return nullptr;
+    return {{"translation", json_vector(d->translation)},
+            {"rotation", d->rotation ? json_vector(*d->rotation) : Json(nullptr)}};
+  });
   return j;
 }
 
@@ -301,10 +279,8 @@ Json compare_json(const Comparison& c) {
                             {"file", c.paths[i]},
                             {"time", json_number(c.times[i])},
                             {"solved", c.solved[i] != 0}});
-  j["surfaces"] = Json::array();
-  for (const ComparedSurface& surface : c.surfaces) j["surfaces"].push_back(surface_json(c, surface));
-  j["bodies"] = Json::array();
-  for (const ComparedBody& body : c.bodies) j["bodies"].push_back(compared_body_json(body));
+  j["surfaces"] = list_json(c.surfaces, [&](const ComparedSurface& surface) { return surface_json(c, surface); });
+  j["bodies"] = list_json(c.bodies, compared_body_json);
   j["warnings"] = c.warnings;
   j["unit_names"] = units_json(c.units);
   return j;
@@ -320,14 +296,14 @@ std::string compare_csv(const Comparison& c) {
       std::vector<Quantity> last = last_csv_quantities(region);
       if (inside)
         for (Quantity& q : inside_quantities(c, surface, region)) last.push_back(std::move(q));
-      last.push_back({"", "covered_by_reference", surface.covered_by_reference});
+      last.push_back({"covered_by_reference", surface.covered_by_reference});
       last.back().values.push_back(kNaN);
-      last.push_back({"", "solved", std::vector<double>(c.solved.begin(), c.solved.end())});
+      last.push_back({"solved", std::vector<double>(c.solved.begin(), c.solved.end())});
       if (text.empty()) {
         text = "label,file,time,surface,region";
-        for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);
+        for (const Quantity& q : quantities) text += fmt::format(",{}", q.name);
         text += ",areas";
-        for (const Quantity& q : last) text += fmt::format(",{}", q.key);
+        for (const Quantity& q : last) text += fmt::format(",{}", q.name);
         text += '\n';
       }
       for (std::size_t i = 0; i < c.labels.size(); ++i) {

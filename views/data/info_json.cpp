@@ -4,9 +4,8 @@
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
 #include "src/version.h"
-#include "views/data/finding_json.h"
 #include "views/data/run_json.h"
-#include "views/text/info_words.h"
+#include "views/text/info_text.h"
 #include "views/text/run_text.h"
 
 namespace dea {
@@ -14,18 +13,13 @@ namespace dea {
 namespace {
 
 Json remarks_json(const JointModel& model, const std::vector<Remark>& remarks) {
-  Json list = Json::array();
-  for (const Remark& r : remarks) {
-    Json j;
-    j["what"] = r.what;
-    j["count"] = r.count;
-    j["file"] = r.origin.file >= 0 && r.origin.file < static_cast<int>(model.files.size())
-                    ? model.files[at(r.origin.file)]
-                    : "";
-    j["line"] = r.origin.line;
-    list.push_back(j);
-  }
-  return list;
+  return list_json(remarks, [&](const Remark& r) -> Json {
+    const bool known = r.origin.file >= 0 && r.origin.file < static_cast<int>(model.files.size());
+    return {{"what", r.what},
+            {"count", r.count},
+            {"file", known ? model.files[at(r.origin.file)] : ""},
+            {"line", r.origin.line}};
+  });
 }
 
 Json layer_json(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side) {
@@ -52,11 +46,9 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
                     {"symmetry", json_number(side.rim.symmetry)}, {"bonded", json_number(side.rim.bonded)},
                     {"shared", json_number(side.rim.shared)},     {"area_beyond", json_number(side.rim.area_beyond)}};
   j["left_out"] = Json{{"side_wall", side.side_walls}, {"bonded", side.bonded}};
-  Json sphere;
-  sphere["center"] = json_vector(side.sphere.center);
-  sphere["radius"] = json_number(side.sphere.radius);
-  sphere["rms"] = json_number(side.sphere.rms);
-  j["sphere"] = sphere;
+  j["sphere"] = Json{{"center", json_vector(side.sphere.center)},
+                     {"radius", json_number(side.sphere.radius)},
+                     {"rms", json_number(side.sphere.rms)}};
   j["thickness_scale"] = json_number(layer.thickness_scale);  // part of the thicknesses above
   j["thickness_from"] = json_word(layer.thickness_from);
   return j;
@@ -73,21 +65,18 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
   for (int b : reported_bodies(check.joint)) {
     const BodyConditions& c = step.load_case.bodies[at(b)];
     Json body;
-    body["dofs"] = Json::object();
-    for (int k = 0; k < kDofs; ++k) body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);
-    Json value = Json::array();
-    for (int k = 0; k < kDofs; ++k)
-      value.push_back(c.dofs[at(k)] == DofState::Prescribed ? json_number(c.value[k]) : Json(nullptr));
-    body["prescribed"] = value;
+    for (int k = 0; k < kDofs; ++k) {
+      body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);
+      body["prescribed"].push_back(c.dofs[at(k)] == DofState::Prescribed ? json_number(c.value[k]) : Json(nullptr));
+    }
     body["force"] = json_vector(c.dead.head<3>());
     body["moment"] = json_vector(c.dead.tail<3>());
     body["following_force"] = json_vector(c.follower.head<3>());
     body["following_moment"] = json_vector(c.follower.tail<3>());
     body["arm"] = json_vector(c.arm);
-    body["point_forces"] = Json::array();
-    for (const PointForce& p : c.point_forces)
-      body["point_forces"].push_back(
-          Json{{"force", json_vector(p.force)}, {"arm", json_vector(p.arm)}, {"following", p.turns}});
+    body["point_forces"] = list_json(c.point_forces, [](const PointForce& p) -> Json {
+      return {{"force", json_vector(p.force)}, {"arm", json_vector(p.arm)}, {"following", p.turns}};
+    });
     j["bodies"][check.joint.bodies[at(b)].name] = body;
   }
   return j;
@@ -96,8 +85,7 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
 Json body_json(const JointModel& model, const Body& body) {
   Json j;
   j["name"] = body.name;
-  j["materials"] = Json::array();
-  for (int m : body.materials) j["materials"].push_back(model.materials[at(m)].name);
+  j["materials"] = list_json(body.materials, [&](int m) { return model.materials[at(m)].name; });
   j["center_of_mass"] = json_vector(body.center_of_mass);
   j["center_given"] = body.center_given;
   j["mass"] = json_number(body.mass);
@@ -136,9 +124,7 @@ Json contact_json(const JointModel& model, const Settings& settings, const Joint
 /// Points (measure, force), or an expression in t, the measure.
 Json curve_json(const LoadController& curve) {
   if (!curve.expression.empty()) return curve.expression;
-  Json points = Json::array();
-  for (const auto& point : curve.points) points.push_back(Json::array({json_number(point[0]), json_number(point[1])}));
-  return points;
+  return list_json(curve.points, [](const auto& p) { return Json::array({json_number(p[0]), json_number(p[1])}); });
 }
 
 Json ligament_json(const JointModel& model, const Joint& joint, const Ligament& l) {
@@ -165,9 +151,9 @@ Json ligament_json(const JointModel& model, const Joint& joint, const Ligament& 
 Json cable_json(const Joint& joint, const Cable& c) {
   Json j;
   j["name"] = c.name;
-  j["points"] = Json::array();
-  for (const Cable::Point& point : c.points)
-    j["points"].push_back(Json{{"body", joint.bodies[at(point.body)].name}, {"point", json_vector(point.position)}});
+  j["points"] = list_json(c.points, [&](const Cable::Point& p) -> Json {
+    return {{"body", joint.bodies[at(p.body)].name}, {"point", json_vector(p.position)}};
+  });
   j["direction"] = json_vector(c.direction);
   j["force"] = json_number(c.force.factor);
   j["step"] = step_number(c.step);
@@ -181,9 +167,7 @@ Json connector_json(const Joint& joint, const Connector& c) {
   j["body_a"] = joint.bodies[at(c.body_a)].name;
   j["body_b"] = joint.bodies[at(c.body_b)].name;
   j["point"] = json_vector(c.point);
-  j["axes"] = Json::array();
   for (int k = 0; k < 3; ++k) j["axes"].push_back(json_vector(c.axes.col(k)));
-  j["motion"] = Json::array();
   for (int k = 0; k < kDofs; ++k) j["motion"].push_back(word(c.motion[at(k)]));
   j["step"] = step_number(c.step);
   return j;
@@ -211,8 +195,7 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
     for (const Connector& c : joint.connectors) j["joints"].push_back(connector_json(joint, c));
     for (const StepCheck& step : check.steps) j["steps"].push_back(step_json(check, step));
   }
-  j["times"] = Json::array();
-  for (const TimePoint& t : check.times) j["times"].push_back(t.time);
+  j["times"] = list_json(check.times, [](const TimePoint& t) { return t.time; });
   const Wording wording = command_line_wording();
   j["findings"] = Json::array();
   const Findings findings = check.recognised ? model_findings(model, joint) : Findings{};
@@ -221,8 +204,7 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   j["ignored"] = remarks_json(model, model.ignored);
   j["unsupported"] = remarks_json(model, model.unsupported);
   j["error"] = check.errors.empty() ? Json(nullptr) : Json(line(check.errors.front(), wording));
-  j["errors"] = Json::array();  // all that are known, the most basic first
-  for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
+  j["errors"] = list_json(check.errors, [&](const Fault& f) { return line(f, wording); });  // the most basic first
   j["unit_names"] = units_json(model.units);
   j["assumed"] = remarks_json(model, model.assumed);
   j["finding_values"] = findings_json(findings);

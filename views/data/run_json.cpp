@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/settings/setting_words.h"
 #include "src/base/numbers.h"
@@ -11,15 +10,11 @@
 #include "src/results/contact_numbers.h"
 #include "src/rules/rules.h"
 #include "src/version.h"
-#include "views/data/finding_json.h"
 #include "views/text/run_text.h"
 
 namespace dea {
 
 namespace {
-
-Json json_vector6_head(const Vector6& v) { return json_vector(v.head<3>()); }
-Json json_vector6_tail(const Vector6& v) { return json_vector(v.tail<3>()); }
 
 Json json_value(std::monostate) { return nullptr; }
 Json json_value(double number) { return json_number(number); }
@@ -45,8 +40,8 @@ Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
   Json j;
   j["translation"] = json_vector(pose.center - body.center_of_mass);
   j["rotation"] = json_vector(turn.angle() * turn.axis());
-  j["force"] = json_vector6_head(reaction);
-  j["moment"] = json_vector6_tail(reaction);
+  j["force"] = json_vector(reaction.head<3>());
+  j["moment"] = json_vector(reaction.tail<3>());
   return j;
 }
 
@@ -54,12 +49,8 @@ Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
 template <class Springs>
 Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
   Json list = Json::array();
-  for (std::size_t i = 0; i < forces.size() && i < springs.size(); ++i) {
-    Json j;
-    j["name"] = springs[i].name;
-    j["force"] = json_number(forces[i]);
-    list.push_back(j);
-  }
+  for (std::size_t i = 0; i < forces.size() && i < springs.size(); ++i)
+    list.push_back({{"name", springs[i].name}, {"force", json_number(forces[i])}});
   return list;
 }
 
@@ -68,10 +59,42 @@ Json inside_json(const std::optional<InsideEnds>& ends) {
   Json j;
   for (const InsideEnd& end : kInsideEnds)
     for (const InsideMeasure& measure : kInsideMeasures)
-      for (const InsideNumber& number : kInsideNumbers)
-        j[end.name][measure.name][number.name] = json_number((*ends).*end.value.*measure.value.*number.value);
+      j[end.name][measure.name] = numbers_json((*ends).*end.value.*measure.value, kInsideNumbers);
   j["peak_near_free_edge"] = ends->peak_near_free_edge;
   return j;
+}
+
+/// With no states in it.
+Json frame_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
+  const Joint& joint = analysis.joint;
+  Json j;
+  j["schema"] = "dea.run/1";
+  j["model"] = model.files.empty() ? "" : model.files.front();
+  j["version"] = kVersion;
+  j["settings"] = settings_json(settings);
+  j["timings"] = {{"read", timings.read},
+                  {"joint", timings.joint},
+                  {"solve", timings.solve},
+                  {"write", timings.write},
+                  {"total", timings.total}};
+  j["bodies"] = list_json(reported_bodies(joint), [&](int b) { return joint.bodies[at(b)].name; });
+  j["states"] = Json::array();
+  j["units"] = json_word(model.units);
+  j["findings"] = lines(analysis.findings, command_line_wording());
+  j["unit_names"] = units_json(model.units);
+  j["finding_values"] = findings_json(analysis.findings);
+  return j;
+}
+
+/// A text of json_text as an entry of a list in an object: no line feed at the end, all lines two farther in. Line
+/// feeds in values are written as \n, so each is one of the layout.
+std::string entry(const std::string& text) {
+  std::string out = "  ";
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    out += text[i];
+    if (text[i] == '\n') out += "  ";
+  }
+  return out;
 }
 
 }  // namespace
@@ -124,8 +147,7 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   j["message"] = outcome_text(e, command_line_wording());
   j["step"] = state.when.step + 1;
   j["load"] = json_number(e.load);
-  j["residual_history"] = Json::array();
-  for (double r : e.history) j["residual_history"].push_back(json_number(r));
+  j["residual_history"] = list_json(e.history, json_number);
   j["held_directions"] = e.held;
   j["least_stiffness"] = json_number(e.least_stiffness);
   j["unstable"] = e.unstable;
@@ -134,16 +156,14 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   j["joints"] = Json::array();
   for (std::size_t c = 0; c < e.connector_force.size() && c < joint.connectors.size(); ++c) {
     const Connector& connector = joint.connectors[c];
-    Json item;
-    item["name"] = connector.name;
-    item["type"] = connector.type;
-    item["body_a"] = joint.bodies[at(connector.body_a)].name;
-    item["body_b"] = joint.bodies[at(connector.body_b)].name;
-    item["force"] = json_vector6_head(e.connector_force[c]);
-    item["moment"] = json_vector6_tail(e.connector_force[c]);
-    item["translation"] = json_vector6_head(e.connector_motion[c]);
-    item["rotation"] = json_vector6_tail(e.connector_motion[c]);
-    j["joints"].push_back(item);
+    j["joints"].push_back({{"name", connector.name},
+                           {"type", connector.type},
+                           {"body_a", joint.bodies[at(connector.body_a)].name},
+                           {"body_b", joint.bodies[at(connector.body_b)].name},
+                           {"force", json_vector(e.connector_force[c].head<3>())},
+                           {"moment", json_vector(e.connector_force[c].tail<3>())},
+                           {"translation", json_vector(e.connector_motion[c].head<3>())},
+                           {"rotation", json_vector(e.connector_motion[c].tail<3>())}});
   }
   return j;
 }
@@ -155,52 +175,11 @@ Json settings_json(const Settings& settings) {
     std::replace(key.begin(), key.end(), '-', '_');
     j[key] = content_json(option.content(settings));
   }
-  j["placements"] = Json::array();  // rotate and move, as they act one after the other
-  for (const Placement& p : settings.placements)
-    j["placements"].push_back(
-        fmt::format("{} {}", p.kind == Placement::Kind::Rotate ? "rotate" : "move", placement_text(p)));
+  j["placements"] = list_json(settings.placements, [](const Placement& p) {  // as they act one after the other
+    return fmt::format("{} {}", p.kind == Placement::Kind::Rotate ? "rotate" : "move", placement_text(p));
+  });
   return j;
 }
-
-namespace {
-
-/// With no states in it.
-Json frame_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
-  const Joint& joint = analysis.joint;
-  Json j;
-  j["schema"] = "dea.run/1";
-  j["model"] = model.files.empty() ? "" : model.files.front();
-  j["version"] = kVersion;
-  j["settings"] = settings_json(settings);
-  Json seconds;
-  seconds["read"] = timings.read;
-  seconds["joint"] = timings.joint;
-  seconds["solve"] = timings.solve;
-  seconds["write"] = timings.write;
-  seconds["total"] = timings.total;
-  j["timings"] = seconds;
-  j["bodies"] = Json::array();
-  for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
-  j["states"] = Json::array();
-  j["units"] = json_word(model.units);
-  j["findings"] = lines(analysis.findings, command_line_wording());
-  j["unit_names"] = units_json(model.units);
-  j["finding_values"] = findings_json(analysis.findings);
-  return j;
-}
-
-/// A text of json_text as an entry of a list in an object: no line feed at the end, all lines two farther in. Line
-/// feeds in values are written as \n, so each is one of the layout.
-std::string entry(const std::string& text) {
-  std::string out = "  ";
-  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
-    out += text[i];
-    if (text[i] == '\n') out += "  ";
-  }
-  return out;
-}
-
-}  // namespace
 
 Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
   Json j = frame_json(model, settings, analysis, timings);
@@ -232,12 +211,10 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
   j["max_springs"] = max_springs;
   j["contacts"] = Json::array();
   for (const Convergence& study : studies) {
-    Json c;
-    c["name"] = study.contact;
+    Json c = {{"name", study.contact}};
     c["springs_5_percent"] = study.springs_5_percent < 0 ? Json(nullptr) : Json(study.springs_5_percent);
     c["springs_1_percent"] = study.springs_1_percent < 0 ? Json(nullptr) : Json(study.springs_1_percent);
-    c["rows"] = Json::array();
-    for (const ConvergenceRow& row : study.rows) {
+    c["rows"] = list_json(study.rows, [](const ConvergenceRow& row) {
       Json r;
       r["refine"] = row.refine;
       r["springs"] = row.springs;
@@ -251,10 +228,9 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
       r["change_mean"] = json_number(row.change_mean);
       r["change_area"] = json_number(row.change_area);
       r["headline"] = headline_json(row.headline);
-      for (const HeadlineNumber& number : kHeadlineNumbers)
-        r["change_headline"][number.name] = json_number(row.change_headline.*number.value);
-      c["rows"].push_back(r);
-    }
+      r["change_headline"] = numbers_json(row.change_headline, kHeadlineNumbers);
+      return r;
+    });
     j["contacts"].push_back(c);
   }
   j["units"] = json_word(model.units);

@@ -158,24 +158,11 @@ Rgb colour(ColourMap map, double fraction) {
   return srgb(at_fraction(f < 0.5 ? below : above, std::abs(2.0 * f - 1.0)));
 }
 
-const ColourTable& colour_table(ColourMap map) {
-  const auto make = [](ColourMap of) {
-    ColourTable table;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      const Rgb c = colour(of, static_cast<double>(i) / 255.0);
-      table[i] = {static_cast<std::uint8_t>(std::lround(255 * c.r)), static_cast<std::uint8_t>(std::lround(255 * c.g)),
-                  static_cast<std::uint8_t>(std::lround(255 * c.b))};
-    }
-    return table;
-  };
-  static const std::array<ColourTable, 5> tables = {make(ColourMap::Sequential), make(ColourMap::Diverging),
-                                                    make(ColourMap::Viridis), make(ColourMap::Cividis),
-                                                    make(ColourMap::Gray)};
-  return tables[static_cast<std::size_t>(map)];
+ByteColour bytes(const Rgb& c) {
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(255 * x)); };
+  return {byte(c.r), byte(c.g), byte(c.b)};
 }
 
-std::string hex(const Rgb& c) {
-  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(255 * c.r), std::lround(255 * c.g), std::lround(255 * c.b));
-}
+std::string hex(const Rgb& c) { return fmt::format("#{:02x}", fmt::join(bytes(c), "")); }
 
 }  // namespace dea

@@ -34,10 +34,8 @@ struct Rgb {
 /// Colour of a fraction 0 .. 1 of the scale; beyond it that of the nearer end. The fraction must not be NaN.
 Rgb colour(ColourMap map, double fraction);
 
-/// The map in 256 steps of 8 bits: entry i is colour(map, i / 255) rounded.
-using ColourTable = std::array<std::array<std::uint8_t, 3>, 256>;
-const ColourTable& colour_table(ColourMap map);
-
+using ByteColour = std::array<std::uint8_t, 3>;
+ByteColour bytes(const Rgb& colour);
 /// "#1f9e89"
 std::string hex(const Rgb& colour);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +10,7 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
-#include "views/map/map_paint.h"
+#include "src/base/parse.h"
 #include "views/map/map_scale.h"
 #include "views/map/pen.h"
 
@@ -67,6 +68,12 @@ void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, 
   trace(pen, place, outline, tolerance);
   pen.use(colour);
   cairo_fill(pen.get());
+}
+
+/// The step that a value lies in; beyond the scale the nearer end. The value must not be NaN.
+int band(const MapFigure& figure, double value) {
+  const double f = (value - figure.low) / (figure.high - figure.low);
+  return std::clamp(static_cast<int>(std::floor(f * kBands)), 0, kBands - 1);
 }
 
 /// Every band is drawn over those below it, so that no light shines through between them.
@@ -133,25 +140,18 @@ void stroke_marker(Pen& pen, double size) {
 
 /// A triangle that stands on the place.
 void peak_marker(Pen& pen, const Vector2d& p, double size) {
-  cairo_move_to(pen.get(), p.x(), p.y());
-  cairo_line_to(pen.get(), p.x() - 5.5 * size, p.y() - 10.0 * size);
-  cairo_line_to(pen.get(), p.x() + 5.5 * size, p.y() - 10.0 * size);
-  cairo_close_path(pen.get());
+  pen.triangle(p, p + size * Vector2d(-5.5, -10.0), p + size * Vector2d(5.5, -10.0));
   stroke_marker(pen, size);
 }
 
 void center_marker(Pen& pen, const Vector2d& p, double size) {
-  const double a = 6.0 * size;
-  cairo_move_to(pen.get(), p.x() - a, p.y());
-  cairo_line_to(pen.get(), p.x() + a, p.y());
-  cairo_move_to(pen.get(), p.x(), p.y() - a);
-  cairo_line_to(pen.get(), p.x(), p.y() + a);
+  const Vector2d across(6.0 * size, 0), down(0, 6.0 * size);
+  pen.line(p - across, p + across);
+  pen.line(p - down, p + down);
   stroke_marker(pen, size);
 }
 
-struct Box {
-  Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
-};
+using Box = Eigen::AlignedBox2d;
 
 /// Angles from the pole of an unrolled map at which there are circles.
 std::vector<double> angle_circles(const MapSurface& s) {
@@ -175,28 +175,23 @@ Box extent(const MapSurface& s) {
   Box box;
   for (int t = 0; t < s.mesh.size(); ++t) {
     if (s.projection.layer[at(t)] < 0) continue;
-    for (int v : s.mesh.triangles[at(t)]) {
-      box.low = box.low.cwiseMin(s.projection.points[at(v)]);
-      box.high = box.high.cwiseMax(s.projection.points[at(v)]);
-    }
+    for (int v : s.mesh.triangles[at(t)]) box.extend(s.projection.points[at(v)]);
   }
-  if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
+  if (box.isEmpty()) box.extend(Vector2d(0, 0));
   if (s.view.unrolled) {
     const std::vector<double> angles = angle_circles(s);
     const double r = angles.empty() ? 0.0 : circle_radius(s, angles.back());
-    box.low = box.low.cwiseMin(Vector2d(-r, -r));
-    box.high = box.high.cwiseMax(Vector2d(r, r));
+    box.extend(Vector2d(-r, -r));
+    box.extend(Vector2d(r, r));
   }
   return box;
 }
 
-bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const Vector2d& high) {
-  Vector2d a = triangle[0], b = triangle[0];
-  for (const Vector2d& p : triangle) {
-    a = a.cwiseMin(p);
-    b = b.cwiseMax(p);
-  }
-  if ((a.array() > high.array()).any() || (b.array() < low.array()).any()) return false;
+bool touches(const std::array<Vector2d, 3>& triangle, const Box& box) {
+  Box around;
+  for (const Vector2d& p : triangle) around.extend(p);
+  if (!around.intersects(box)) return false;
+  const Vector2d &low = box.min(), &high = box.max();
   for (int k = 0; k < 3; ++k) {  // an edge with the whole box beyond it
     const Vector2d& p = triangle[at(k)];
     const Vector2d d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
@@ -213,10 +208,9 @@ bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const
 /// possible.
 void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const MapSurface& s, const Box& box,
                  const Paper& paper) {
-  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.low.x(), box.high.y()}),
-                 high = place({box.high.x(), box.low.y()});
+  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.min().x(), box.max().y()}),
+                 high = place({box.max().x(), box.min().y()});
   pen.font(12.5);
-  const double dashes[] = {1.0, 4.0};
   std::vector<std::array<Vector2d, 3>> valued;  // on paper
   for (int t = 0; t < s.mesh.size(); ++t) {
     if (s.projection.layer[at(t)] < 0 || !std::isfinite(panel.facets[at(s.mesh.facet[at(t)])])) continue;
@@ -224,20 +218,18 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
     valued.push_back({corner(0), corner(1), corner(2)});
   }
   std::vector<Box> taken;
-  const auto take = [&](const Vector2d& p, double r) { taken.push_back({p - Vector2d(r, r), p + Vector2d(r, r)}); };
+  const auto take = [&](const Vector2d& p, double r) { taken.emplace_back(p - Vector2d(r, r), p + Vector2d(r, r)); };
   if (panel.peak) take(place(*panel.peak) - Vector2d(0, 5), 8);
   if (panel.center_of_pressure) take(place(*panel.center_of_pressure), 8);
   for (double angle : angle_circles(s)) {
-    const double r = circle_radius(s, angle) * place.scale;
-    cairo_new_sub_path(pen.get());
-    cairo_arc(pen.get(), middle.x(), middle.y(), r, 0, 2 * kPi);
-    cairo_set_dash(pen.get(), dashes, 2, 0.0);
+    pen.circle(middle, circle_radius(s, angle) * place.scale);
+    pen.dashed(1.0, 4.0);
     pen.use({1, 1, 1}, 0.6);
     cairo_set_line_width(pen.get(), 2.2);
     cairo_stroke_preserve(pen.get());
     pen.use({0, 0, 0}, 0.9);
     pen.stroke(1.0);
-    cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+    pen.undashed();
   }
   for (double angle : angle_circles(s)) {
     const double r = circle_radius(s, angle) * place.scale;
@@ -251,15 +243,15 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
       const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
       if (p.x() < low.x() - 1 || p.x() > high.x() + 1 || p.y() < low.y() - 1 || p.y() > high.y() + 1) continue;
       std::size_t covered = 0;
-      for (const auto& triangle : valued) covered += touches(triangle, p - half, p + half) ? 1 : 0;
+      for (const auto& triangle : valued) covered += touches(triangle, {p - half, p + half}) ? 1 : 0;
       for (const Box& b : taken)
-        if (((p + half).array() > b.low.array()).all() && ((p - half).array() < b.high.array()).all())
+        if (((p + half).array() > b.min().array()).all() && ((p - half).array() < b.max().array()).all())
           covered += 1000000;
       if (covered >= least) continue;
       least = covered;
       best = p;
     }
-    taken.push_back({best - half, best + half});
+    taken.emplace_back(best - half, best + half);
     pen.use(paper.text);
     pen.text_on(best.x() - half.x() + 2, best.y() + 4.5, text, paper.background);
   }
@@ -321,15 +313,9 @@ std::string fitted(const Pen& pen, const std::string& text, double room, const s
 
 /// Words in `lines` lines of about the same length.
 std::vector<std::string> broken(const Pen& pen, const std::string& text, int lines) {
-  std::vector<std::string> words(1), out(1);
-  for (char c : text) {
-    if (c == ' ')
-      words.emplace_back();
-    else
-      words.back() += c;
-  }
+  std::vector<std::string> out(1);
   const double each = pen.width(text) / lines;
-  for (const std::string& word : words) {
+  for (const std::string& word : split(text, ' ')) {
     const std::string longer = out.back().empty() ? word : out.back() + " " + word;
     const bool full = !out.back().empty() && pen.width(longer) - 0.5 * pen.width(word) > each;
     if (full && static_cast<int>(out.size()) < lines)
@@ -354,6 +340,19 @@ std::vector<std::string> bar_title_lines(const Pen& pen, const MapFigure& figure
   return lines;
 }
 
+std::vector<std::string> tick_texts(const MapFigure& figure) {
+  const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
+  std::vector<std::string> texts;
+  for (double tick : figure.ticks) texts.push_back(tick_text(tick, step));
+  return texts;
+}
+
+double widest(const Pen& pen, const std::vector<std::string>& texts) {
+  double most = 0.0;
+  for (const std::string& text : texts) most = std::max(most, pen.width(text));
+  return most;
+}
+
 /// Colour bar with its ticks to the right; arrows where values go on beyond its ends. The title has room from `top` to
 /// `bottom`.
 void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, double y, double height, double top,
@@ -366,45 +365,35 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
   for (double level : figure.contours) {
     const double f = (level - figure.low) / (figure.high - figure.low);
     if (!(f > 0 && f < 1)) continue;
-    cairo_move_to(pen.get(), x, y + (1 - f) * height);
-    cairo_line_to(pen.get(), x + kBarWidth, y + (1 - f) * height);
+    pen.line({x, y + (1 - f) * height}, {x + kBarWidth, y + (1 - f) * height});
     pen.use(white_line(colour(figure.map, f)) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
     pen.stroke(1.0);
   }
   const auto arrow = [&](double base, double tip, const Rgb& c) {
-    cairo_move_to(pen.get(), x, base);
-    cairo_line_to(pen.get(), x + kBarWidth, base);
-    cairo_line_to(pen.get(), x + 0.5 * kBarWidth, tip);
-    cairo_close_path(pen.get());
+    pen.triangle({x, base}, {x + kBarWidth, base}, {x + 0.5 * kBarWidth, tip});
     pen.use(c);
     cairo_fill(pen.get());
   };
   if (figure.beyond_high) arrow(y, y - 12, band_colour(figure.map, kBands - 1));
   if (figure.beyond_low) arrow(y + height, y + height + 12, band_colour(figure.map, 0));
   pen.font(kText);
-  double widest = 0.0;
-  const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
-  for (double tick : figure.ticks) {
-    const double f = (tick - figure.low) / (figure.high - figure.low);
+  const std::vector<std::string> texts = tick_texts(figure);
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    const double f = (figure.ticks[k] - figure.low) / (figure.high - figure.low);
     const double ty = y + (1 - f) * height;
-    cairo_move_to(pen.get(), x + kBarWidth, ty);
-    cairo_line_to(pen.get(), x + kBarWidth + 4, ty);
+    pen.line({x + kBarWidth, ty}, {x + kBarWidth + 4, ty});
     pen.use(paper.line);
     pen.stroke(1.0);
     pen.use(paper.text);
-    const std::string text = tick_text(tick, step);
-    pen.text(x + kBarWidth + 8, ty + 0.35 * kText, text);
-    widest = std::max(widest, pen.width(text));
+    pen.text(x + kBarWidth + 8, ty + 0.35 * kText, texts[k]);
   }
   const std::vector<std::string> lines = bar_title_lines(pen, figure, bottom - top);
-  double longest = 1e-9;
-  for (const std::string& line : lines) longest = std::max(longest, pen.width(line));
+  const double longest = std::max(1e-9, widest(pen, lines)), title_x = x + kBarWidth + 8 + widest(pen, texts) + 10;
   const double shrink = std::min(1.0, (bottom - top) / longest);
   const double middle = std::clamp(y + 0.5 * height, top + 0.5 * shrink * longest, bottom - 0.5 * shrink * longest);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     cairo_save(pen.get());
-    cairo_translate(pen.get(), x + kBarWidth + 8 + widest + 10 + 0.75 * kText + static_cast<double>(k) * kBarLine,
-                    middle);
+    cairo_translate(pen.get(), title_x + 0.75 * kText + static_cast<double>(k) * kBarLine, middle);
     cairo_rotate(pen.get(), -0.5 * kPi);
     pen.font(kText * shrink);
     pen.text(-0.5 * pen.width(lines[k]), 0, lines[k]);
@@ -414,10 +403,8 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
 }
 
 double bar_room(const Pen& pen, const MapFigure& figure, std::size_t lines) {
-  double widest = 0.0;
-  const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
-  for (double tick : figure.ticks) widest = std::max(widest, pen.width(tick_text(tick, step)));
-  return kBarWidth + 8 + widest + 10 + kText + 4 + static_cast<double>(lines - 1) * kBarLine;
+  const double ticks = widest(pen, tick_texts(figure));
+  return kBarWidth + 8 + ticks + 10 + kText + 4 + static_cast<double>(lines - 1) * kBarLine;
 }
 
 /// The global axes as they lie on the map, but one that points at the viewer or away.
@@ -435,8 +422,7 @@ void draw_axes(Pen& pen, const MapView& view, const Paper& paper, double x, doub
     }
     if (hidden) continue;
     const double tx = x + kLength * d.x(), ty = y + kLength * d.y();
-    cairo_move_to(pen.get(), x, y);
-    cairo_line_to(pen.get(), tx, ty);
+    pen.line({x, y}, {tx, ty});
     pen.use(paper.faint);
     pen.stroke(1.4);
     const Vector2d u = d.normalized();
@@ -519,13 +505,11 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
   if (figure.signs.turned_away) entries.push_back({"turned away", square(paper.turned_away)});
   if (figure.surfaces.front().view.unrolled)
     entries.push_back({"angle from the axis (equal-area map)", [&paper](Pen& pen, const Vector2d& p) {
-                         const double dashes[] = {1.0, 4.0};
-                         cairo_new_sub_path(pen.get());
-                         cairo_arc(pen.get(), p.x() + 8, p.y(), 7, 0, 2 * kPi);
-                         cairo_set_dash(pen.get(), dashes, 2, 0.0);
+                         pen.circle(p + Vector2d(8, 0), 7);
+                         pen.dashed(1.0, 4.0);
                          pen.use(paper.text);
                          pen.stroke(1.2);
-                         cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+                         pen.undashed();
                        }});
   return entries;
 }
@@ -581,10 +565,7 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
         millimetres, std::max(0.0, l.panel_width / millimetre), l.columns, std::ceil(60 / millimetre),
         std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
   Vector2d most = Vector2d::Constant(1e-300);
-  for (const MapSurface& s : figure.surfaces) {
-    const Box box = extent(s);
-    most = most.cwiseMax(box.high - box.low);
-  }
+  for (const MapSurface& s : figure.surfaces) most = most.cwiseMax(extent(s).sizes());
   constexpr double kRound = 8.0;  // room for markers and labels at the rim
   l.scale = std::min((l.panel_width - 2 * kRound) / most.x(), (1.15 * l.panel_width - 2 * kRound) / most.y());
   l.map_height = most.y() * l.scale + 2 * kRound;
@@ -610,12 +591,9 @@ void draw_footer(Pen& pen, const MapFigure& figure, const Layout& l, const Paper
   const double start = legend_start(pen, figure, l);
   if (!view.unrolled) {
     const double length = scale_bar_length(l), px = length * l.scale;
-    cairo_move_to(pen.get(), x, y - 4);
-    cairo_line_to(pen.get(), x, y + 4);
-    cairo_move_to(pen.get(), x, y);
-    cairo_line_to(pen.get(), x + px, y);
-    cairo_move_to(pen.get(), x + px, y - 4);
-    cairo_line_to(pen.get(), x + px, y + 4);
+    pen.line({x, y - 4}, {x, y + 4});
+    pen.line({x, y}, {x + px, y});
+    pen.line({x + px, y - 4}, {x + px, y + 4});
     pen.use(paper.text);
     pen.stroke(1.4);
     pen.text(x + px + 8, y + 0.35 * kText, scale_bar_text(figure, length));
@@ -633,7 +611,6 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
   }
   for (int i = 0; i < static_cast<int>(figure.panels.size()); ++i) {
     const MapPanel& panel = figure.panels[at(i)];
-    const Box box = extent(figure.surfaces[at(panel.surface)]);
     const double x = l.panel_x(i), y = l.panel_y(i);
     pen.font(kBold, true);
     pen.use(paper.text);
@@ -647,7 +624,7 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
     pen.text(x, y + 2 * kText + 4, line == panel.numbers.end() ? panel.numbers.back() : *line);
     Placing place;
     place.scale = l.scale;
-    const Vector2d middle = 0.5 * (box.low + box.high);
+    const Vector2d middle = extent(figure.surfaces[at(panel.surface)]).center();
     place.origin = {x + 0.5 * l.panel_width - l.scale * middle.x(),
                     y + l.header + 0.5 * l.map_height + l.scale * middle.y()};
     draw_panel(pen, place, figure, panel, paper, std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));
@@ -697,6 +674,37 @@ auto laid_out(const MapFigure& figure, const PictureOptions& options, const OnPa
 }
 
 }  // namespace
+
+Rgb band_colour(ColourMap map, int band) { return colour(map, (band + 0.5) / kBands); }
+
+Paper paper(bool dark, ColourMap map) {
+  const auto grey = [](double x) { return Rgb{x, x, x + 0.012}; };
+  const bool middle = is_diverging(map);
+  const double nothing = dark ? (middle ? 0.24 : 0.36) : (middle ? 0.72 : 0.89);
+  Paper p = dark ? Paper{{0.051, 0.067, 0.09}, grey(0.92), grey(0.66), grey(0.75), grey(nothing), grey(nothing - 0.1)}
+                 : Paper{{1, 1, 1}, grey(0.08), grey(0.35), grey(0.3), grey(nothing), grey(nothing - 0.12)};
+  if (map == ColourMap::Gray) {  // grey is a value
+    p.nothing = dark ? Rgb{0.15, 0.21, 0.32} : Rgb{0.80, 0.87, 0.96};
+    p.turned_away = dark ? Rgb{0.10, 0.15, 0.24} : Rgb{0.69, 0.77, 0.89};
+  }
+  return p;
+}
+
+PanelMasks panel_masks(const MapFigure& figure, const MapPanel& panel, int layer) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  PanelMasks masks;
+  masks.all = layer_triangles(s.mesh, s.projection, layer);
+  masks.away = masks.valued = masks.interpolated = TriangleMask(masks.all.size());
+  for (std::size_t t = 0; t < masks.all.size(); ++t) {
+    masks.away[t] = masks.all[t] && s.projection.back[t];
+    const auto& v = s.mesh.triangles[t];
+    const bool seen = masks.all[t] && !masks.away[t];
+    masks.interpolated[t] =
+        seen && std::all_of(v.begin(), v.end(), [&](int i) { return std::isfinite(panel.points[at(i)]); });
+    masks.valued[t] = figure.smooth ? masks.interpolated[t] : seen && std::isfinite(panel.facets[at(s.mesh.facet[t])]);
+  }
+  return masks;
+}
 
 std::string picture(const MapFigure& figure, const PictureOptions& options) { return laid_out(figure, options, drawn); }
 

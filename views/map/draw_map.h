@@ -25,4 +25,25 @@ std::string picture(const MapFigure& figure, const PictureOptions& options);
 /// The same as pixels, those of a PNG. Figures of one animation have one size.
 Image map_image(const MapFigure& figure, const PictureOptions& options);
 
+// Which triangles of a panel have which colour, also for whoever draws the same with pens of his own.
+
+/// Steps of colour: below what the eye tells apart.
+inline constexpr int kBands = 128;
+Rgb band_colour(ColourMap map, int band);
+
+/// Colours of everything but the values.
+struct Paper {
+  Rgb background, text, faint, line, nothing, turned_away;
+};
+Paper paper(bool dark, ColourMap map);
+
+/// Triangles of one layer of a panel.
+struct PanelMasks {
+  TriangleMask all;
+  TriangleMask away;          ///< turned away from the viewer
+  TriangleMask valued;        ///< filled by their value; a smooth figure: down to panel.edge only
+  TriangleMask interpolated;  ///< all three corners have a value
+};
+PanelMasks panel_masks(const MapFigure& figure, const MapPanel& panel, int layer);
+
 }  // namespace dea

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "src/base/numbers.h"
-#include "views/map/map_paint.h"
+#include "views/map/draw_map.h"
 #include "views/map/map_scale.h"
 
 namespace dea {
@@ -22,11 +22,6 @@ constexpr std::size_t kColours = 256;
 
 Rgb between(const Rgb& x, const Rgb& y, double t) {
   return {x.r + t * (y.r - x.r), x.g + t * (y.g - x.g), x.b + t * (y.b - x.b)};
-}
-
-ByteColour bytes(const Rgb& c) {
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(255 * x)); };
-  return {byte(c.r), byte(c.g), byte(c.b)};
 }
 
 Rgb rgb(const ByteColour& c) { return {c[0] / 255.0, c[1] / 255.0, c[2] / 255.0}; }

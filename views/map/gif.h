@@ -1,7 +1,5 @@
 // views/map/gif.h – pictures that move, as GIF: frame by frame, in colours that are those of the map.
 #pragma once
-#include <array>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,8 +9,6 @@
 #include "views/map/picture_format.h"
 
 namespace dea {
-
-using ByteColour = std::array<std::uint8_t, 3>;
 
 /// 256 colours for all frames: the map's steps as they are drawn, those of the paper, lines over the map, and the greys
 /// between paper and letters.

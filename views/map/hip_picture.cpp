@@ -30,24 +30,18 @@ struct Square {
   double length(double x) const { return x * kPanel / (2 * reach); }
 };
 
-double eighth(double x) { return std::round(8 * x) / 8; }  // of a pixel: files stay small
-
 void line(Pen& pen, const Square& square, const Vector2d& from, const Vector2d& to) {
-  const Vector2d a = square(from), b = square(to);
-  cairo_move_to(pen.get(), eighth(a.x()), eighth(a.y()));
-  cairo_line_to(pen.get(), eighth(b.x()), eighth(b.y()));
+  const auto eighths = [](const Vector2d& p) { return Vector2d((8 * p).array().round() / 8); };  // files stay small
+  pen.line(eighths(square(from)), eighths(square(to)));
 }
 
 void circle(Pen& pen, const Square& square, const Vector2d& center, double radius) {
-  const Vector2d c = square(center);
-  cairo_new_sub_path(pen.get());
-  cairo_arc(pen.get(), c.x(), c.y(), square.length(radius), 0, 2 * kPi);
+  pen.circle(square(center), square.length(radius));
 }
 
 void dot(Pen& pen, const Square& square, const Vector2d& x, double radius) {
-  const Vector2d c = square(x);
-  cairo_new_sub_path(pen.get());
-  cairo_arc(pen.get(), c.x(), c.y(), radius, 0, 2 * kPi);
+  pen.circle(square(x), radius);
+  cairo_fill(pen.get());
 }
 
 /// Words on a white ground, their middle at x.
@@ -84,11 +78,6 @@ void frame_of(Pen& pen, const Square& square) {
   pen.stroke(1);
 }
 
-void clip_to(Pen& pen, const Square& square) {
-  cairo_rectangle(pen.get(), square.left, square.top, kPanel, kPanel);
-  cairo_clip(pen.get());
-}
-
 std::string degrees(double angle) {
   return std::isfinite(angle) ? fmt::format("{:.1f}°", std::abs(angle) < 0.05 ? 0.0 : angle) : "–";
 }
@@ -107,9 +96,7 @@ void draw_edge_angle(Pen& pen, const Square& square, const Vector2d& edge, doubl
   cairo_arc(pen.get(), c.x(), c.y(), square.length(0.6 * radius), std::min(up, to), std::max(up, to));
   pen.stroke(1.6);
   dot(pen, square, center, 2.5);
-  cairo_fill(pen.get());
   dot(pen, square, edge, 4);
-  cairo_fill(pen.get());
 }
 
 void draw_roof(Pen& pen, const Square& square, const Vector2d& end, const Vector2d& edge, double radius) {
@@ -119,13 +106,13 @@ void draw_roof(Pen& pen, const Square& square, const Vector2d& end, const Vector
   line(pen, square, end, {end.x() + 1.3 * radius, end.y()});
   pen.stroke(1);
   dot(pen, square, end, 4);
-  cairo_fill(pen.get());
 }
 
 void draw_section(Pen& pen, const Square& square, const HipSection& section, const HipMeasures& m, double angle,
                   const char* word) {
   cairo_save(pen.get());
-  clip_to(pen, square);
+  cairo_rectangle(pen.get(), square.left, square.top, kPanel, kPanel);
+  cairo_clip(pen.get());
   for (const auto& piece : section.head_lines) line(pen, square, piece[0], piece[1]);
   pen.use(kFemur);
   pen.stroke(1.6);
@@ -135,13 +122,12 @@ void draw_section(Pen& pen, const Square& square, const HipSection& section, con
   const Vector3d off = m.socket.center - m.head.center;
   const double above = off.dot(section.across.cross(section.up)),
                radius = std::sqrt(std::max(0.0, m.socket.radius * m.socket.radius - above * above));
-  const double dashes[] = {4, 4};
-  cairo_set_dash(pen.get(), dashes, 2, 0);
+  pen.dashed(4, 4);
   pen.use(kPale);
   circle(pen, square, {off.dot(section.across), off.dot(section.up)}, radius);
   circle(pen, square, Vector2d::Zero(), m.head.radius);
   pen.stroke(0.9);
-  cairo_set_dash(pen.get(), nullptr, 0, 0);
+  pen.undashed();
   if (section.edge && section.roof_end) draw_roof(pen, square, *section.roof_end, *section.edge, m.head.radius);
   if (section.edge) {
     draw_edge_angle(pen, square, *section.edge, angle, m.head.radius);
@@ -164,19 +150,16 @@ void draw_rim(Pen& pen, const Square& square, const HipMeasures& m) {
   circle(pen, square, Vector2d::Zero(), m.rim_radius);
   pen.stroke(1.2);
   pen.use(kPale);
-  const double dashes[] = {4, 4};
-  cairo_set_dash(pen.get(), dashes, 2, 0);
+  pen.dashed(4, 4);
   circle(pen, square, flat(m.head.center), m.head.radius);
   pen.stroke(0.9);
-  cairo_set_dash(pen.get(), nullptr, 0, 0);
+  pen.undashed();
   for (std::size_t i = 0; i < m.rim.size(); ++i) {
     pen.use(m.rim_in_plane[i] ? kSocket : kRoofLine);
     dot(pen, square, flat(m.rim[i]), m.rim_in_plane[i] ? 1.8 : 1.5);
-    cairo_fill(pen.get());
   }
   pen.use(kAngle);
   dot(pen, square, flat(m.head.center), 2.5);
-  cairo_fill(pen.get());
   frame_of(pen, square);
   const bool front_right = right.dot(m.axes.col(0)) > 0;
   ends(pen, square, front_right ? "behind" : "in front", front_right ? "in front" : "behind");

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "io/results/inside_rows.h"
@@ -157,26 +156,17 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
   return map_values(surface, field, std::move(facets));
 }
 
-/// The state of the reference that belongs to a time.
-int reference_state(const ResultFile& minus, double time, bool last) {
-  if (!last) return find_state(minus, time);
-  return static_cast<int>(minus.xplt.states.size()) - 1;
-}
-
 MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
                      const ResultSurface& reference, const MapValues& b) {
+  const auto minus = [](const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < y.size(); ++i) out.push_back(x[i] == 0 && y[i] == 0 ? kNaN : x[i] - y[i]);
+    return out;
+  };
   MapValues d;
   const std::vector<double> carried = carry_values(match, reference, b.vertices);
-  for (std::size_t i = 0; i < carried.size(); ++i)
-    d.vertices.push_back(a.vertices[i] == 0 && carried[i] == 0 ? kNaN : a.vertices[i] - carried[i]);
-  if (match.same_mesh) {
-    for (std::size_t f = 0; f < a.facets.size(); ++f)
-      d.facets.push_back(a.facets[f] == 0 && b.facets[f] == 0 ? kNaN : a.facets[f] - b.facets[f]);
-  } else {
-    const std::vector<double> b_facets = facet_average(surface, carried);
-    for (std::size_t f = 0; f < a.facets.size(); ++f)
-      d.facets.push_back(a.facets[f] == 0 && b_facets[f] == 0 ? kNaN : a.facets[f] - b_facets[f]);
-  }
+  d.vertices = minus(a.vertices, carried);
+  d.facets = minus(a.facets, match.same_mesh ? b.facets : facet_average(surface, carried));
   return d;
 }
 
@@ -253,8 +243,8 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     return;
   }
   std::vector<double> pressure = values.facets;
-  std::replace_if(
-      pressure.begin(), pressure.end(), [](double p) { return !std::isfinite(p); }, 0.0);
+  for (double& p : pressure)
+    if (!std::isfinite(p)) p = 0.0;
   const Headline h = headline(s.surface, pressure);
   const std::string p99 = fmt::format("p99 {}", four_digits(h.p99)),
                     mean = fmt::format("{}, mean {}{}", p99, four_digits(h.mean), unit),
@@ -270,20 +260,14 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   if (force > 0) panel.center_of_pressure = on_map(s.view, center / force);
 }
 
-/// What the scale is for: the values of panels, or of all states of the files as they would be shown.
-struct Scaled {
-  ValueRange range;
-  std::vector<std::pair<double, double>> areas;  ///< of joint space: value, area
-};
-
 const std::vector<double>& shown(const MapFigure& figure, const MapValues& values) {
   return figure.smooth ? values.vertices : values.facets;
 }
 
 /// All states in which the file (and the reference) has the field on the surface; a state that holds values that are no
-/// numbers is drawn by nobody, they are passed over.
+/// numbers is drawn by nobody, they are passed over. `areas`: of joint space, value and area.
 void add_states(const ResultFile& file, const ResultFile* minus, const std::string& name, const MapFigure& figure,
-                const MapOptions& o, Scaled& scaled) {
+                const MapOptions& o, ValueRange& range, std::vector<std::pair<double, double>>& areas) {
   ResultSurface s, reference;
   std::optional<NodeMatch> match;
   int mesh = -1, other_mesh = -1;
@@ -301,8 +285,8 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
       for (double& x : facets) x = std::max(x, 0.0);
     const MapValues v = map_values(s, o.field, std::move(facets));
     if (minus == nullptr) {
-      scaled.range.add(shown(figure, v));
-      if (o.field == kSpace) add_areas(s, v.facets, scaled.areas);
+      range.add(shown(figure, v));
+      if (o.field == kSpace) add_areas(s, v.facets, areas);
       continue;
     }
     for (int k = 0; k < static_cast<int>(minus->xplt.states.size()); ++k) {
@@ -315,7 +299,7 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
         match = match_nodes(s, reference);
       }
       other_mesh = minus->xplt.states[at(k)].mesh;
-      scaled.range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
+      range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
       break;
     }
   }
@@ -364,13 +348,8 @@ void add_panels(const MapFigure& figure, const MapOptions& o, const ResultFile* 
 
 void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus, const std::vector<std::string>& names,
                   const MapOptions& o, const Together& panels, MapFigure& figure) {
-  Scaled scaled;
-  ScaleKind kind;
-  kind.map = figure.map;
-  kind.pressure = figure.pressure;
-  kind.low = o.low;
-  kind.high = o.high;
-  scaled.range.add(panels.range);
+  ScaleKind kind = {figure.map, figure.pressure, 0.0, o.low, o.high};
+  ValueRange range = panels.range;
   // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
   const bool space = o.field == kSpace && minus == nullptr;
   if (o.scale_of_shown) {
@@ -378,12 +357,12 @@ void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus,
   } else {
     for (const ResultFile& file : files)
       for (const std::string& name : names) {
-        scaled.areas.clear();
-        add_states(file, minus, name, figure, o, scaled);
-        if (space) kind.usual = std::max(kind.usual, most_of_area_below(std::move(scaled.areas)));
+        std::vector<std::pair<double, double>> areas;
+        add_states(file, minus, name, figure, o, range, areas);
+        if (space) kind.usual = std::max(kind.usual, most_of_area_below(std::move(areas)));
       }
   }
-  const MapScale scale = map_scale(kind, scaled.range);
+  const MapScale scale = map_scale(kind, range);
   const double least_width = 1e-5 * std::max(std::abs(scale.low), std::abs(scale.high));
   if (!(scale.high > scale.low) || scale.high - scale.low < least_width)
     throw UsageError(
@@ -550,7 +529,8 @@ int figure_surface(const MapRequest& r, const PanelSource& from, SurfaceKeys& ke
 MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface& surface, const MapValues& values,
                     MapFigure& figure) {
   const ResultFile &file = r.files[from.file], &minus = *r.minus;
-  const int state = reference_state(minus, from.time, r.options.states == "last");
+  const int state =
+      r.options.states == "last" ? static_cast<int>(minus.xplt.states.size()) - 1 : find_state(minus, from.time);
   const int other = require_surface(minus, state, from.name);
   from.solved = from.solved && is_solution(minus, state);
   if (!is_solution(minus, state)) figure.remarks.push_back(no_solution_warning(minus, state));

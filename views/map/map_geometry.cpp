@@ -1,5 +1,6 @@
 #include "views/map/map_geometry.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -96,32 +97,30 @@ struct MapGrid {
 
 MapGrid make_grid(const MapMesh& mesh, const Projection& p) {
   MapGrid grid;
-  const auto extend = [&](int t, Vector2d& low, Vector2d& high) {
-    for (int v : mesh.triangles[at(t)]) {
-      low = low.cwiseMin(p.points[at(v)]);
-      high = high.cwiseMax(p.points[at(v)]);
-    }
+  const auto around = [&](int t) {
+    Eigen::AlignedBox2d box;
+    for (int v : mesh.triangles[at(t)]) box.extend(p.points[at(v)]);
+    return box;
   };
-  Vector2d low = Vector2d::Constant(1e300), high = -low;
+  Eigen::AlignedBox2d all;
   int drawn = 0;
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
     ++drawn;
-    extend(t, low, high);
+    all.extend(around(t));
   }
   if (drawn < 2) return grid;
   const int n = grid.n = std::clamp(static_cast<int>(std::sqrt(drawn / 2.0)), 1, 1000);
-  const Vector2d cell = ((high - low) / n).cwiseMax(1e-300);
+  const Vector2d cell = (all.sizes() / n).cwiseMax(1e-300);
   grid.cells.resize(at(n) * at(n));
   grid.boxes.resize(mesh.triangles.size());
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
-    Vector2d a = p.points[at(mesh.triangles[at(t)][0])], b = a;
-    extend(t, a, b);
+    const Eigen::AlignedBox2d of = around(t);
     auto& box = grid.boxes[at(t)];
     for (int i = 0; i < 2; ++i) {
-      box[at(i)] = std::clamp(static_cast<int>((a[i] - low[i]) / cell[i]), 0, n - 1);
-      box[at(i + 2)] = std::clamp(static_cast<int>((b[i] - low[i]) / cell[i]), 0, n - 1);
+      box[at(i)] = std::clamp(static_cast<int>((of.min()[i] - all.min()[i]) / cell[i]), 0, n - 1);
+      box[at(i + 2)] = std::clamp(static_cast<int>((of.max()[i] - all.min()[i]) / cell[i]), 0, n - 1);
     }
     for (int j = box[1]; j <= box[3]; ++j)
       for (int i = box[0]; i <= box[2]; ++i) grid.cells[at(j) * at(n) + at(i)].push_back(t);
@@ -200,24 +199,16 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
       if (--waiting[at(next)] == 0) ready.push_back(next);
     }
   };
-  for (int start : order) {  // farthest first; three that cover each other in turn are cut open there
-    if (done[at(start)] || p.layer[at(start)] < 0 || waiting[at(start)] > 0) continue;
-    ready.push_back(start);
-    while (!ready.empty()) {
-      const int t = ready.back();
-      ready.pop_back();
-      if (!done[at(t)]) settle_layer(t);
+  for (const bool cut_open : {false, true})  // three that cover each other in turn are cut open
+    for (int start : order) {                // at the farthest
+      if (done[at(start)] || p.layer[at(start)] < 0 || (!cut_open && waiting[at(start)] > 0)) continue;
+      ready.push_back(start);
+      while (!ready.empty()) {
+        const int t = ready.back();
+        ready.pop_back();
+        if (!done[at(t)]) settle_layer(t);
+      }
     }
-  }
-  for (int start : order) {
-    if (done[at(start)] || p.layer[at(start)] < 0) continue;
-    ready.push_back(start);
-    while (!ready.empty()) {
-      const int t = ready.back();
-      ready.pop_back();
-      if (!done[at(t)]) settle_layer(t);
-    }
-  }
   for (int l : p.layer) p.layers = std::max(p.layers, l + 1);
 }
 
@@ -295,6 +286,41 @@ void cut_triangle(const MapMesh& mesh, const Projection& p, const TriangleMask& 
     add(above(k) ? corner(k) : crossing(k), above(k + 1) ? corner(k + 1) : crossing(k));
   }
   if (leaves >= 0 && enters >= 0) add(crossing(leaves), crossing(enters));
+}
+
+/// The edges of triangles of `in` beyond which no triangle goes on: `goes_on(t, other)`.
+template <class GoesOn>
+std::vector<Polyline> open_edges(const MapMesh& mesh, const Projection& p, const TriangleMask& in, GoesOn goes_on) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (!in[at(t)]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other >= 0 && goes_on(t, other)) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
+    }
+  }
+  return chain(std::move(pieces));
+}
+
+std::vector<Polyline> cut_triangles(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
+                                    const std::vector<double>& values, double level, bool region) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t)
+    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, region, t, pieces);
+  return chain(std::move(pieces));
+}
+
+/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
+double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
+  const auto& v = mesh.triangles[at(t)];
+  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
+  std::sort(x.begin(), x.end());
+  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
+  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
+  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
+  return 1.0;
 }
 
 }  // namespace
@@ -454,34 +480,6 @@ TriangleMask layer_triangles(const MapMesh& mesh, const Projection& p, int layer
   return in;
 }
 
-namespace {
-
-/// The edges of triangles of `in` beyond which no triangle goes on: `goes_on(t, other)`.
-template <class GoesOn>
-std::vector<Polyline> open_edges(const MapMesh& mesh, const Projection& p, const TriangleMask& in, GoesOn goes_on) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (!in[at(t)]) continue;
-    for (int k = 0; k < 3; ++k) {
-      const int other = mesh.neighbours[at(t)][at(k)];
-      if (other >= 0 && goes_on(t, other)) continue;
-      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
-      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
-    }
-  }
-  return chain(std::move(pieces));
-}
-
-std::vector<Polyline> cut_triangles(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
-                                    const std::vector<double>& values, double level, bool region) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t)
-    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, region, t, pieces);
-  return chain(std::move(pieces));
-}
-
-}  // namespace
-
 std::vector<Polyline> outline(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
   return open_edges(mesh, p, in, [&](int, int other) { return in[at(other)] != 0; });
 }
@@ -518,21 +516,6 @@ Polyline smoothed(const Polyline& line) {
   }
   return now;
 }
-
-namespace {
-
-/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
-double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
-  const auto& v = mesh.triangles[at(t)];
-  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
-  std::sort(x.begin(), x.end());
-  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
-  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
-  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
-  return 1.0;
-}
-
-}  // namespace
 
 double area_above(const MapMesh& mesh, const std::vector<double>& values, double level) {
   double area = 0.0;
@@ -578,12 +561,10 @@ double level_enclosing(const MapMesh& mesh, double wanted, const std::vector<dou
     double area = whole;
     for (const Cut& x : cut) area += share_above(mesh, points, x.triangle, middle) * mesh.areas[at(x.triangle)];
     (area > wanted ? low : high) = middle;
-    cut.erase(std::remove_if(cut.begin(), cut.end(),
-                             [&](const Cut& x) {
-                               if (x.least >= high) whole += mesh.areas[at(x.triangle)];
-                               return x.least >= high || x.most < low;
-                             }),
-              cut.end());
+    std::erase_if(cut, [&](const Cut& x) {
+      if (x.least >= high) whole += mesh.areas[at(x.triangle)];
+      return x.least >= high || x.most < low;
+    });
   }
   return std::max(high, kLeast);
 }

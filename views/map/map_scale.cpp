@@ -94,9 +94,6 @@ MapScale map_scale(const ScaleKind& kind, const ValueRange& range) {
   // Two ends that differ in the last digits only are one; and rounding of a constant field is no pattern.
   if (!kind.low && sequential && s.high - s.low < 1e-5 * std::max(std::abs(s.low), std::abs(s.high)))
     s.low = std::min(0.0, 2.0 * s.high);
-  const double tolerance = 1e-6 * (s.high - s.low);
-  s.beyond_low = !s.empty && least < s.low - tolerance;
-  s.beyond_high = !s.empty && most > s.high + tolerance;
   if (s.high > s.low) s.step = scale_step(s.low, s.high);
   return s;
 }

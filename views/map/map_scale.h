@@ -47,7 +47,6 @@ struct MapScale {
   double low = 0.0, high = 1.0;
   double step = 0.2;   ///< from one number of the colour bar to the next, and from line to line
   bool empty = false;  ///< not one value: ends mean nothing
-  bool beyond_low = false, beyond_high = false;  ///< values outside exist
 };
 /// What is known of a field before its values are: see map_scale.
 struct ScaleKind {

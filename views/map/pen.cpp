@@ -12,6 +12,7 @@
 #include "io/files/encoded_text.h"
 #include "io/files/output.h"
 #include "src/base/error.h"
+#include "src/base/numbers.h"
 
 namespace dea {
 
@@ -151,6 +152,27 @@ void Pen::rectangle(double x, double y, double w, double h) {
 void Pen::stroke(double line_width) {
   cairo_set_line_width(get(), line_width);
   cairo_stroke(get());
+}
+
+void Pen::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  cairo_move_to(get(), from.x(), from.y());
+  cairo_line_to(get(), to.x(), to.y());
+}
+
+void Pen::triangle(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+  line(a, b);
+  cairo_line_to(get(), c.x(), c.y());
+  cairo_close_path(get());
+}
+
+void Pen::circle(const Eigen::Vector2d& center, double radius) {
+  cairo_new_sub_path(get());
+  cairo_arc(get(), center.x(), center.y(), radius, 0, 2 * kPi);
+}
+
+void Pen::dashed(double dash, double gap) {
+  const double dashes[] = {dash, gap};
+  cairo_set_dash(get(), dashes, 2, 0.0);
 }
 
 void measured(const std::function<void(Pen&)>& measure) {

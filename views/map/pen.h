@@ -2,6 +2,7 @@
 #pragma once
 #include <cairo.h>
 
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,6 +26,13 @@ class Pen {
   void text_on(double x, double y, const std::string& text, const Rgb& paper);
   void rectangle(double x, double y, double w, double h);
   void stroke(double line_width);
+  // To be stroked or filled.
+  void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  void triangle(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);
+  void circle(const Eigen::Vector2d& center, double radius);
+  /// Strokes from here on.
+  void dashed(double dash, double gap);
+  void undashed() { cairo_set_dash(get(), nullptr, 0, 0.0); }
 
   /// From here on texts are not drawn, but added to `elements` as <text> of SVG.
   void keep_texts(std::string* elements) { elements_ = elements; }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
 
 #include "io/files/encoded_text.h"
 #include "io/files/packed_bytes.h"
@@ -74,12 +73,6 @@ Codes quantise(const std::vector<double>& values) {
     out.codes.push_back(static_cast<std::uint16_t>(std::clamp(std::round(kSteps * fraction), 1.0, kSteps)));
   }
   return out;
-}
-
-double restore(const Codes& c, std::size_t i) {
-  if (c.codes[i] == kUndefined) return std::numeric_limits<double>::quiet_NaN();
-  const double fraction = c.codes[i] / kSteps;
-  return c.least * (1.0 - fraction) + c.most * fraction;
 }
 
 PackedArray pack_codes(const std::vector<std::uint16_t>& codes) { return pack(codes, true); }

@@ -34,7 +34,6 @@ struct Codes {
   double least = 0.0, most = 0.0;
 };
 Codes quantise(const std::vector<double>& values);
-double restore(const Codes& codes, std::size_t i);
 
 PackedArray pack_codes(const std::vector<std::uint16_t>& codes);
 

@@ -1,11 +1,11 @@
-#include "views/page/page_charts.h"
-
+// Curves over time on the page of a run.
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "src/base/numbers.h"
+#include "views/page/page_data.h"
 #include "views/text/run_text.h"
 
 namespace dea {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <utility>
 
 #include "io/settings/setting_words.h"
@@ -13,7 +12,7 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/rules/rules.h"
-#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
 #include "views/text/compare_text.h"
 #include "views/text/run_text.h"
 
@@ -115,24 +114,13 @@ PageCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
 
 /// What to look at first: the whole surface, as dea plot shows the first result's.
 void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
-  const ResultSurface& g = s.geometry.back();
   std::vector<double> load(at(first.facets()), 0.0);
   if (s.pressure.front()) {
     const PageField& field = *s.pressure.front();
     const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
     for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
   }
-  const MapView view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
-  s.axis = view.toward;
-  s.up = view.up;
-  Vector3d least = Vector3d::Constant(std::numeric_limits<double>::infinity()), most = -least;
-  for (const Vector3d& x : g.mesh.vertices) {
-    least = least.cwiseMin(x);
-    most = most.cwiseMax(x);
-  }
-  s.center = 0.5 * (least + most);
-  s.radius = 0.0;
-  for (const Vector3d& x : g.mesh.vertices) s.radius = std::max(s.radius, (x - s.center).norm());
+  s.view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
 }
 
 void find_unsolved(const std::vector<ResultFile>& files, PageFrame& frame) {

@@ -12,9 +12,9 @@
 #include "src/base/unit_names.h"
 #include "src/run/analysis.h"
 #include "views/compare/compare_files.h"
-#include "views/map/map_scale.h"
-#include "views/page/page_charts.h"
+#include "views/map/map_geometry.h"
 #include "views/page/page_context.h"
+#include "views/page/page_parts.h"
 #include "views/text/table.h"
 
 namespace dea {
@@ -51,11 +51,6 @@ struct PageCarry {
   std::vector<float> weights;
 };
 
-/// Ends and lines of maps (views/map/map_scale.h), and the values they are for.
-struct PageScale {
-  MapScale scale;
-  ValueRange range;
-};
 struct PageScales {
   PageScale all;  ///< of all states of all results
   std::vector<PageScale> frames;
@@ -82,8 +77,7 @@ struct PageSurface {
   std::vector<std::vector<std::vector<std::optional<PagePattern>>>> patterns;  ///< frame, region, result
   std::vector<double> bins;                                                    ///< of the profile: edges [degrees]
   std::vector<std::vector<std::vector<double>>> profiles;                      ///< frame, result, bin
-  Vector3d axis = Vector3d::UnitZ(), up = Vector3d::UnitY(), center = Vector3d::Zero();  ///< how to look at it first
-  double radius = 1.0;                                                                   ///< of a ball about it
+  MapView view;                                                                ///< how to look at it first
 };
 
 /// States that are shown together.
@@ -91,6 +85,17 @@ struct PageFrame {
   double time = 0.0;               ///< NaN: the compared states, whose times differ
   std::vector<int> states;         ///< per result; -1: it has none at this time
   std::vector<int> unsolved = {};  ///< results whose state here is no solution
+};
+
+/// A curve over time of `dea run`.
+struct PageChart {
+  std::string title, caption;
+  std::string quantity;   ///< of the axis
+  std::string dimension;  ///< "pressure", "force", "length", "area", "degrees", "": pure number
+  bool logarithmic = false;
+  std::vector<double> times;
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;  ///< per name; NaN: a gap
 };
 
 struct PageText {
@@ -113,6 +118,9 @@ struct PageData {
   std::vector<PageText> texts;
   std::vector<std::string> warnings;
 };
+
+/// Force, pressures and area of contacts; motion of bodies; tension of ligaments; how well all balances.
+std::vector<PageChart> run_charts(const Analysis& analysis);
 
 /// `to` wherever `from` stands.
 void replace_all(std::string& text, const std::string& from, const std::string& to);

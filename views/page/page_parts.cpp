@@ -2,22 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "io/files/encoded_text.h"
 #include "src/version.h"
 #include "views/map/colour_map.h"
-#include "views/map/map_scale.h"
 #include "views/page/page.h"
 
 namespace dea {
 
 namespace {
 
+/// 256 colours, six digits each.
 std::string table_hex(ColourMap map) {
   std::string out;
-  for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  for (int i = 0; i < 256; ++i) out += hex(colour(map, i / 255.0)).substr(1);
   return out;
 }
 
@@ -100,6 +102,24 @@ Json short_number(double x) {
 
 Json table_json(const TitledTable& t) {
   return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
+}
+
+Json scale_json(const PageScale& s) {
+  if (s.range.empty()) return nullptr;
+  return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
+          short_number(s.range.least), short_number(s.range.most)};
+}
+
+Json view_json(const MapView& view, const std::vector<Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& x : points) box.extend(x);
+  const Vector3d center = box.center();
+  double radius = 0.0;
+  for (const Vector3d& x : points) radius = std::max(radius, (x - center).norm());
+  return {{"axis", json_vector(view.toward)},
+          {"up", json_vector(view.up)},
+          {"center", json_vector(center)},
+          {"radius", json_number(radius)}};
 }
 
 void add_page_head(const UnitNames& units, Json& j) {

@@ -2,11 +2,12 @@
 // them.
 #pragma once
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "src/results/comparison.h"
 #include "views/data/json.h"
+#include "views/map/map_geometry.h"
+#include "views/map/map_scale.h"
 #include "views/page/pack.h"
 #include "views/text/table.h"
 
@@ -27,14 +28,17 @@ Json mesh_json(const ResultSurface& surface, const std::vector<std::int32_t>& no
 /// With nine digits, twelve would be the machine's noise; null: not finite.
 Json short_number(double x);
 
-template <class List, class Get>
-Json list_json(const List& list, Get get) {
-  Json j = Json::array();
-  for (const auto& item : list) j.push_back(get(item));
-  return j;
-}
-
 Json table_json(const TitledTable& table);
+
+/// Ends and lines of maps (views/map/map_scale.h), and the values they are for.
+struct PageScale {
+  MapScale scale;
+  ValueRange range;
+};
+/// [low, high, step, least, most]; null: there are no values.
+Json scale_json(const PageScale& scale);
+/// From where to look first at what has these points: "axis", "up", "center" and "radius" of a ball about them.
+Json view_json(const MapView& view, const std::vector<Vector3d>& points);
 
 /// "program", "units", and of the colours "steps", "colours", "lines": what all scripts take for there.
 void add_page_head(const UnitNames& units, Json& page);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "io/files/output.h"
@@ -85,13 +83,6 @@ Json pattern_json(const std::optional<PagePattern>& p) {
           {"intercept", short_number(p->intercept)}};
 }
 
-/// [low, high, step, least, most]; null: there are no values.
-Json scale_json(const PageScale& s) {
-  if (s.range.empty()) return nullptr;
-  return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
-          short_number(s.range.least), short_number(s.range.most)};
-}
-
 Json scales_json(const PageScales& s) {
   return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
 }
@@ -138,10 +129,7 @@ Json surface_json(const PageSurface& s, bool exact, Json& meshes, PageArrays& ar
   j["profiles"] = list_json(s.profiles, [](const auto& frame) {
     return list_json(frame, [](const auto& result) { return list_json(result, short_number); });
   });
-  j["view"] = {{"axis", json_vector(s.axis)},
-               {"up", json_vector(s.up)},
-               {"center", json_vector(s.center)},
-               {"radius", json_number(s.radius)}};
+  j["view"] = view_json(s.view, s.geometry.back().mesh.vertices);
   return j;
 }
 

@@ -107,19 +107,7 @@ void add_views(const StudySurfaceMesh& s, const std::vector<double>& load, const
                PageArrays& arrays) {
   const ResultSurface& g = s.geometry;
   const Vector3d up = options.regions.up.value_or(Vector3d::Zero());
-  const MapView view = view_from(default_direction(g, load), up);
-  Vector3d least = Vector3d::Constant(kInfinity), most = -least;
-  for (const Vector3d& x : g.mesh.vertices) {
-    least = least.cwiseMin(x);
-    most = most.cwiseMax(x);
-  }
-  const Vector3d center = 0.5 * (least + most);
-  double radius = 0.0;
-  for (const Vector3d& x : g.mesh.vertices) radius = std::max(radius, (x - center).norm());
-  j["view"] = {{"axis", json_vector(view.toward)},
-               {"up", json_vector(view.up)},
-               {"center", json_vector(center)},
-               {"radius", json_number(radius)}};
+  j["view"] = view_json(view_from(default_direction(g, load), up), g.mesh.vertices);
   j["flat"] = nullptr;
   MapView flat;
   if (!unroll(g, up, flat)) return;

@@ -19,43 +19,34 @@ std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%"
 
 /// The table's lines with all that there is beside the headline numbers.
 std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
-  std::vector<Quantity> out = {{"threshold of the lines above", "", {}}};
+  std::vector<Quantity> out;
+  out.push_back({"threshold of the lines above", {}});
   for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
-  for (const char* number : {"peak", "p99", "mean", "median"}) {
-    for (const DistributionNumber& share : kDistributionNumbers) {
-      if (std::string(share.name) != number) continue;
-      const auto value = share.value;
-      out.push_back(quantity(fmt::format("{}, nodes > 0", number), "", region,
-                             [value](const SurfaceMeasures& m) { return m.nodes[0].*value; }));
-      out.push_back(quantity(fmt::format("{}, facets > 0", number), "", region,
-                             [value](const SurfaceMeasures& m) { return m.facets[0].*value; }));
-    }
+  using M = const SurfaceMeasures&;
+  const auto add = [&](const std::string& name, auto get, Dimension dimension = Dimension::Pressure) {
+    out.push_back(quantity(name, region, get, dimension));
+  };
+  for (const DistributionNumber& number : kDistributionNumbers) {
+    const std::string name = number.name;
+    if (name != "peak" && name != "p99" && name != "mean" && name != "median") continue;
+    add(name + ", nodes > 0", [&](M m) { return m.nodes[0].*number.value; });
+    add(name + ", facets > 0", [&](M m) { return m.facets[0].*number.value; });
   }
   for (std::size_t t = 1; t < thresholds.size(); ++t)
-    out.push_back(quantity(fmt::format("mean, nodes > {:g}", thresholds[t]), "", region,
-                           [t](const SurfaceMeasures& m) { return m.nodes[t].mean; }));
-  const auto of = [](Quantity q, Dimension dimension) {
-    q.dimension = dimension;
-    return q;
-  };
-  out.push_back(of(quantity("area, facets > 0", "", region, [](const SurfaceMeasures& m) { return m.facets[0].area; }),
-                   Dimension::Area));
+    add(fmt::format("mean, nodes > {:g}", thresholds[t]), [t](M m) { return m.nodes[t].mean; });
+  add(
+      "area, facets > 0", [](M m) { return m.facets[0].area; }, Dimension::Area);
   for (std::size_t t = 0; t < thresholds.size(); ++t)
-    out.push_back(of(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
-                              [t](const SurfaceMeasures& m) { return m.nodes[t].area; }),
-                     Dimension::Area));
-  out.push_back(
-      of(quantity("resultant of the map", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }),
-         Dimension::Force));
-  const auto penetration = of(
-      quantity("penetration, mean of facets", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }),
-      Dimension::Length);
-  if (std::any_of(penetration.values.begin(), penetration.values.end(),
-                  [](double x) { return std::isfinite(x) && x != 0; })) {
-    out.push_back(penetration);
-    out.push_back(of(quantity("penetration, largest of facets", "", region,
-                              [](const SurfaceMeasures& m) { return m.max_penetration; }),
-                     Dimension::Length));
+    add(
+        fmt::format("area, nodes > {:g}", thresholds[t]), [t](M m) { return m.nodes[t].area; }, Dimension::Area);
+  add(
+      "resultant of the map", [](M m) { return m.resultant.norm(); }, Dimension::Force);
+  if (std::any_of(region.results.begin(), region.results.end(),
+                  [](M m) { return std::isfinite(m.mean_penetration) && m.mean_penetration != 0; })) {
+    add(
+        "penetration, mean of facets", [](M m) { return m.mean_penetration; }, Dimension::Length);
+    add(
+        "penetration, largest of facets", [](M m) { return m.max_penetration; }, Dimension::Length);
   }
   return out;
 }
@@ -63,9 +54,9 @@ std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std:
 /// The lines about the whole surface that rest on what the files say of themselves.
 std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
   const bool deformed = c.areas == CompareAreas::Deformed;
-  Quantity area{"area of the whole surface", "", {}, true, Dimension::Area},
-      force{"contact force of the file", "", {}, true, Dimension::Force},
-      share{"resultant, % of it", "", {}, false, Dimension::None};
+  Quantity area{"area of the whole surface", {}, true, Dimension::Area},
+      force{"contact force of the file", {}, true, Dimension::Force},
+      share{"resultant, % of it", {}, false, Dimension::None};
   for (const SurfaceFacts& f : surface.facts) {
     area.values.push_back(deformed ? f.deformed_area : f.area);
     force.values.push_back(f.contact_force ? f.contact_force->norm() : kNaN);
@@ -132,19 +123,13 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   if (details && region.name.empty())
     for (const Quantity& q : fact_quantities(c, surface)) add(q);
   if (!details && !c.dose_above) return table;
-  const auto add_time = [&](const char* name, double TimeMeasures::*value) {
-    Quantity q{name, "", {}};
-    if (value != &TimeMeasures::mean_peak) q.dimension = Dimension::None;  // times have no unit here
-    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
+  for (const TimeNumber& number : kTimeNumbers) {
+    if (number.words == nullptr) continue;
+    Quantity q{number.words, {}};
+    if (number.value != &TimeMeasures::mean_peak) q.dimension = Dimension::None;  // times have no unit here
+    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*number.value);
     if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);
-  };
-  if (std::any_of(region.over_time.begin(), region.over_time.end(),
-                  [](const TimeMeasures& m) { return std::isfinite(m.max_exposure); }))
-    add_time("peak over time, mean of nodes", &TimeMeasures::mean_peak);
-  add_time("exposure, largest of nodes", &TimeMeasures::max_exposure);
-  add_time("exposure, mean of nodes", &TimeMeasures::mean_exposure);
-  add_time("dose, largest of nodes", &TimeMeasures::max_dose);
-  add_time("dose, mean of nodes", &TimeMeasures::mean_dose);
+  }
   return table;
 }
 

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "io/settings/setting_words.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
-#include "src/run/analysis.h"
-#include "src/run/recognise.h"
-#include "views/text/info_words.h"
 #include "views/text/run_text.h"
 
 namespace dea {
@@ -70,12 +66,6 @@ std::string thickness_origin(const Layer& layer) {
   if (layer.thickness_scale != 1.0)
     text += fmt::format("{}times {}", text.empty() ? "measured, " : ", ", number_text(layer.thickness_scale));
   return text.empty() ? "" : " (" + text + ")";
-}
-
-/// " mm", where units are known.
-std::string unit_behind(const JointModel& model, Dimension dimension) {
-  const std::string unit = unit_of(unit_names(model.units), dimension);
-  return unit.empty() ? "" : " " + unit;
 }
 
 /// Nothing of a sphere where the surface is none: its centre and radius would mean nothing.
@@ -143,10 +133,6 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   return text;
 }
 
-}  // namespace
-
-namespace {
-
 /// `by_table`: how many of the dofs, from the first on, a table moves. `loads`: told as they are, before the arm.
 std::string conditions_text_with(const BodyConditions& c, int by_table, const std::string& loads, bool paper) {
   constexpr const char* kInPaper[kDofs] = {"translation along x", "translation along y", "translation along z",
@@ -182,30 +168,6 @@ std::string conditions_text_with(const BodyConditions& c, int by_table, const st
   if (c.on_reaction) text += "; loads that start from the reaction at the step's start, not known here";
   return text;
 }
-
-}  // namespace
-
-std::string conditions_text(const BodyConditions& c, bool paper) { return conditions_text_with(c, 0, "", paper); }
-
-std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body,
-                                bool paper) {
-  const auto table = [](const std::string& file) {
-    if (file.starts_with("table of ")) return "the " + file;  // of a caller that has no file, as Python
-    return file.empty() ? "a table" : "the table " + file;
-  };
-  const auto is_of = [&](const std::string& name) { return names_body(model, check.joint.bodies, name, body); };
-  const LoadTable& loads = settings.loads;
-  const MotionTable& motion = settings.motion;
-  const bool loaded = !loads.time.empty() && is_of(loads.body), moved = !motion.time.empty() && is_of(motion.body);
-  std::string words;
-  if (moved) words += fmt::format("; the motion of {}", table(motion.file));
-  if (loaded)
-    words += fmt::format("; the load of {}{}", table(loads.file),
-                         is_of(loads.frame.body) ? ", which turns with the body" : "");
-  return conditions_text_with(check.row->bodies[at(body)], !moved ? 0 : motion.turns ? kDofs : 3, words, paper);
-}
-
-namespace {
 
 std::string ligament_text(const Joint& joint, const Ligament& l) {
   std::string law;
@@ -254,16 +216,21 @@ std::string states_words(const StepCheck& step, const Settings& settings) {
   return fmt::format("{} state{}; at its end", step.states, step.states == 1 ? "" : "s");
 }
 
+/// A line per body: `conditions(body)`.
+template <class Conditions>
+std::string loaded_text(const Joint& joint, Conditions conditions) {
+  std::string text;
+  for (int b : reported_bodies(joint))
+    if (!joint.bodies[at(b)].ground)
+      text += fmt::format("    {}: {}\n", shown(joint.bodies[at(b)].name), conditions(b));
+  return text;
+}
+
 /// What holds, moves and loads the bodies once the rows begin.
 std::string rows_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   if (!check.row) return "";
-  std::string text = "  in every row of the table:\n";
-  for (int b : reported_bodies(check.joint)) {
-    if (check.joint.bodies[at(b)].ground) continue;
-    text += fmt::format("    {}: {}\n", shown(check.joint.bodies[at(b)].name),
-                        row_conditions_text(model, settings, check, b));
-  }
-  return text;
+  return "  in every row of the table:\n" +
+         loaded_text(check.joint, [&](int b) { return row_conditions_text(model, settings, check, b); });
 }
 
 std::string steps_text(const JointCheck& check, const Settings& settings) {
@@ -279,11 +246,7 @@ std::string steps_text(const JointCheck& check, const Settings& settings) {
     text += fmt::format("  step {}{}: time {} to {}, step size {}, {}:\n", s + 1,
                         step.name.empty() ? "" : " " + in_quotes(step.name), time_text(step.start), time_text(step.end),
                         number_text(step.step_size), states_words(step, settings));
-    for (int b : reported_bodies(check.joint)) {
-      if (check.joint.bodies[at(b)].ground) continue;
-      text += fmt::format("    {}: {}\n", shown(check.joint.bodies[at(b)].name),
-                          conditions_text(step.load_case.bodies[at(b)]));
-    }
+    text += loaded_text(check.joint, [&](int b) { return conditions_text(step.load_case.bodies[at(b)]); });
   }
   return text;
 }
@@ -331,6 +294,40 @@ std::string remarks_text(const JointModel& model, const Joint& joint) {
 }
 
 }  // namespace
+
+const char* word(DofState s) { return word_of(s, {"free", "held", "prescribed"}); }
+
+const char* word(RigidJoint::Motion motion) { return word_of(motion, {"held", "free", "prescribed"}); }
+
+const char* word(DiscreteSprings::Measure measure) { return word_of(measure, {"elongation", "strain", "stretch"}); }
+
+std::string law_origin(const Contact& contact, const Settings& settings) {
+  if (settings.law) return "chosen with --law";
+  if (contact.dea && contact.dea->law) return "as the contact of type dea says";
+  if (settings.springs_at == SpringsAt::Bone)
+    return "the default with --springs-at bone (springs at the articular surface: layer)";
+  return "the default (with --springs-at bone: linear); another one with --law";
+}
+
+std::string conditions_text(const BodyConditions& c, bool paper) { return conditions_text_with(c, 0, "", paper); }
+
+std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body,
+                                bool paper) {
+  const auto table = [](const std::string& file) {
+    if (file.starts_with("table of ")) return "the " + file;  // of a caller that has no file, as Python
+    return file.empty() ? "a table" : "the table " + file;
+  };
+  const auto is_of = [&](const std::string& name) { return names_body(model, check.joint.bodies, name, body); };
+  const LoadTable& loads = settings.loads;
+  const MotionTable& motion = settings.motion;
+  const bool loaded = !loads.time.empty() && is_of(loads.body), moved = !motion.time.empty() && is_of(motion.body);
+  std::string words;
+  if (moved) words += fmt::format("; the motion of {}", table(motion.file));
+  if (loaded)
+    words += fmt::format("; the load of {}{}", table(loads.file),
+                         is_of(loads.frame.body) ? ", which turns with the body" : "");
+  return conditions_text_with(check.row->bodies[at(body)], !moved ? 0 : motion.turns ? kDofs : 3, words, paper);
+}
 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   std::size_t elements = 0;

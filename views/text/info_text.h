@@ -17,4 +17,12 @@ std::string conditions_text(const BodyConditions& conditions, bool paper = false
 std::string row_conditions_text(const JointModel& model, const Settings& settings, const JointCheck& check, int body,
                                 bool paper = false);
 
+// Words of text and JSON alike.
+
+const char* word(DofState state);                    ///< free, held, prescribed
+const char* word(RigidJoint::Motion motion);         ///< the same of a joint's motions
+const char* word(DiscreteSprings::Measure measure);  ///< elongation, strain, stretch
+/// Who chose the law of a contact.
+std::string law_origin(const Contact& contact, const Settings& settings);
+
 }  // namespace dea

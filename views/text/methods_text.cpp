@@ -13,10 +13,8 @@
 #include "src/base/time_text.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/model/settings_table.h"
-#include "src/run/recognise.h"
 #include "views/text/info_text.h"
 #include "views/text/run_text.h"
-#include "views/text/words.h"
 
 namespace dea {
 
@@ -100,6 +98,14 @@ struct Methods {
     return paper.short_form;
   }
 };
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -194,10 +200,6 @@ std::string thickness_words(const Layer& layer) {
 }
 
 void say_layers(Methods& m, const JointModel& model, const Settings& settings, const Joint& joint) {
-  const auto unit = [&](Dimension d) {
-    const std::string name = unit_of(unit_names(model.units), d);
-    return name.empty() ? "" : " " + name;
-  };
   std::set<int> said;  // a surface may be in several contacts
   bool cartilage = false;
   for (const ContactPair& pair : joint.contacts) {
@@ -211,9 +213,10 @@ void say_layers(Methods& m, const JointModel& model, const Settings& settings, c
       }
       cartilage = true;
       m.say(fmt::format("Cartilage under {} on {} was {}{} thick (mean; {} to {}), {}; E = {}{}, nu = {}.", surface,
-                        body, four_digits(layer.mean_thickness()), unit(Dimension::Length),
+                        body, four_digits(layer.mean_thickness()), unit_behind(model, Dimension::Length),
                         four_digits(layer.min_thickness()), four_digits(layer.max_thickness()), thickness_words(layer),
-                        four_digits(layer.elasticity.E), unit(Dimension::Pressure), four_digits(layer.elasticity.nu)));
+                        four_digits(layer.elasticity.E), unit_behind(model, Dimension::Pressure),
+                        four_digits(layer.elasticity.nu)));
     }
   }
   if (!cartilage) return;

@@ -27,40 +27,6 @@ Vector3d without_rounding(const Vector3d& v, double scale) {
   return shown;
 }
 
-}  // namespace
-
-std::string units_text(const JointModel& model) {
-  return model.units.empty() ? "units: the model's own (it names none); rotations in radians"
-                             : fmt::format("units: the model's, {}; rotations in radians", model.units);
-}
-
-std::vector<std::string> spring_names(const Joint& joint) {
-  std::vector<std::string> names;
-  std::map<std::string, int> times;
-  const auto add = [&](const std::string& own) {
-    const std::string name = own.empty() ? "(unnamed)" : own;
-    const int number = ++times[name];
-    names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
-  };
-  for (const Ligament& l : joint.ligaments) add(l.name);
-  for (const Cable& c : joint.cables) add(c.name);
-  return names;
-}
-
-std::vector<int> reported_bodies(const Joint& joint) {
-  std::vector<int> bodies;
-  for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
-    bool used = !joint.bodies[at(b)].ground;
-    for (const ContactPair& pair : joint.contacts) used = used || pair.layers[0].body == b || pair.layers[1].body == b;
-    for (const Ligament& l : joint.ligaments) used = used || l.body_a == b || l.body_b == b;
-    for (const Connector& c : joint.connectors) used = used || c.body_a == b || c.body_b == b;
-    for (const Cable& c : joint.cables)
-      for (const Cable::Point& p : c.points) used = used || p.body == b;
-    if (used) bodies.push_back(b);
-  }
-  return bodies;
-}
-
 std::string law_text(const ContactPair& pair) {
   return fmt::format("law {}{}, springs at the {}", name(pair.law),
                      pair.law == Law::Layer && pair.layer_fit == LayerFit::OneTerm ? " of one term" : "",
@@ -76,8 +42,6 @@ std::string laws_text(const Joint& joint) {
   for (const ContactPair& pair : joint.contacts) text += fmt::format("{}: {}\n", shown(pair.name), law_text(pair));
   return text;
 }
-
-namespace {
 
 Table contacts_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
@@ -124,11 +88,6 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
   return table;
 }
 
-/// p99, mean and peak of a measure inside a layer.
-std::vector<std::string> inside_cells(const InsideDistribution& of) {
-  return {four_digits(of.p99), four_digits(of.mean), four_digits(of.peak)};
-}
-
 /// A line per state, contact, side and end of its layer; no rows: the inside was not asked for.
 Table inside_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
@@ -148,8 +107,10 @@ Table inside_table(const Joint& joint, const std::vector<StateResult>& states, c
         for (const InsideEnd& end : kInsideEnds) {
           std::vector<std::string> row = {time_text(state.when.time), pair.name, joint.bodies[at(layer.body)].name,
                                           end.words};
-          for (const InsideMeasure& measure : kInsideMeasures)
-            for (std::string& cell : inside_cells((*ends).*end.value.*measure.value)) row.push_back(std::move(cell));
+          for (const InsideMeasure& measure : kInsideMeasures) {
+            const InsideDistribution& of = (*ends).*end.value.*measure.value;
+            row.insert(row.end(), {four_digits(of.p99), four_digits(of.mean), four_digits(of.peak)});
+          }
           table.rows.push_back(std::move(row));
         }
       }
@@ -259,6 +220,43 @@ Table connectors_table(const Joint& joint, const Equilibrium& e, const UnitNames
 }
 
 }  // namespace
+
+std::string units_text(const JointModel& model) {
+  return model.units.empty() ? "units: the model's own (it names none); rotations in radians"
+                             : fmt::format("units: the model's, {}; rotations in radians", model.units);
+}
+
+std::string unit_behind(const JointModel& model, Dimension dimension) {
+  const std::string unit = unit_of(unit_names(model.units), dimension);
+  return unit.empty() ? "" : " " + unit;
+}
+
+std::vector<std::string> spring_names(const Joint& joint) {
+  std::vector<std::string> names;
+  std::map<std::string, int> times;
+  const auto add = [&](const std::string& own) {
+    const std::string name = own.empty() ? "(unnamed)" : own;
+    const int number = ++times[name];
+    names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
+  };
+  for (const Ligament& l : joint.ligaments) add(l.name);
+  for (const Cable& c : joint.cables) add(c.name);
+  return names;
+}
+
+std::vector<int> reported_bodies(const Joint& joint) {
+  std::vector<int> bodies;
+  for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
+    bool used = !joint.bodies[at(b)].ground;
+    for (const ContactPair& pair : joint.contacts) used = used || pair.layers[0].body == b || pair.layers[1].body == b;
+    for (const Ligament& l : joint.ligaments) used = used || l.body_a == b || l.body_b == b;
+    for (const Connector& c : joint.connectors) used = used || c.body_a == b || c.body_b == b;
+    for (const Cable& c : joint.cables)
+      for (const Cable::Point& p : c.points) used = used || p.body == b;
+    if (used) bodies.push_back(b);
+  }
+  return bodies;
+}
 
 std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, const UnitNames& units) {
   const Joint& joint = analysis.joint;

@@ -24,5 +24,7 @@ std::vector<std::string> spring_names(const Joint& joint);
 
 /// "units: mm-N-s" or a sentence that they are the model's.
 std::string units_text(const JointModel& model);
+/// " mm", where units are known.
+std::string unit_behind(const JointModel& model, Dimension dimension);
 
 }  // namespace dea
