@@ -128,7 +128,8 @@ void read_material(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_materials(Reading& reading, const XMLElement& section) {
-  read_children(reading, section, {{"material", read_material}}, pass_over);
+  constexpr TagReader kReaders[] = {{"material", read_material}};
+  read_children(reading, section, kReaders, pass_over);
 }
 
 }  // namespace dea::feb

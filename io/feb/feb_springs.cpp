@@ -87,11 +87,11 @@ void resolve_functions(Reading& reading) {
 }
 
 void read_discrete(Reading& reading, const XMLElement& section) {
-  read_children(reading, section,
-                {{"discrete_material", read_discrete_material},
-                 {"discrete", read_discrete_springs},
-                 {"rigid_axial_force", read_axial_force},
-                 {"rigid_cable", read_cable}});
+  constexpr TagReader kReaders[] = {{"discrete_material", read_discrete_material},
+                                    {"discrete", read_discrete_springs},
+                                    {"rigid_axial_force", read_axial_force},
+                                    {"rigid_cable", read_cable}};
+  read_children(reading, section, kReaders);
 }
 
 }  // namespace dea::feb

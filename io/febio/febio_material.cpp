@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
@@ -17,6 +16,7 @@ namespace dea {
 
 namespace {
 
+using febio::one_of;
 using febio::quote;
 
 /// What is the same for a material and all that is nested in it.
@@ -80,10 +80,6 @@ double sum_of_c(const MaterialTree& material, std::string& why) {
   double sum = 0.0;
   for (const char* name : {"c1", "c2", "c3", "c4", "c5", "c6"}) sum += constant_of(material, name, 0.0, why);
   return sum;
-}
-
-bool one_of(const std::string& type, std::initializer_list<const char*> names) {
-  return std::any_of(names.begin(), names.end(), [&](const char* name) { return type == name; });
 }
 
 Stiffness stiffness_of(const Reading& reading, const MaterialTree& material);
