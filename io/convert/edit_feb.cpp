@@ -1,11 +1,10 @@
-#include "io/convert/edit_feb.h"
+#include "io/convert/write_feb.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include "io/convert/write_feb.h"
 #include "io/feb/feb_xml.h"
 #include "io/files/encoded_text.h"
 #include "src/base/names.h"

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "io/feb/feb_xml.h"
-#include "io/febio/symmetry_words.h"
+#include "io/febio/febio_rules.h"
 #include "io/files/encoded_text.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -1,6 +1,7 @@
-// io/convert/write_feb.h – a converted joint as FEBio XML, version 4.0: a whole file, or the pieces that an
-// edit puts in.
+// io/convert/write_feb.h – a converted joint as FEBio XML, version 4.0: a whole file, or the model's own text
+// with pieces put in.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,12 @@ XmlLines linear_solver_lines(const LinearSolver& linear_solver);
 /// Variables the plot file must have; FEBio's own, then the plugin's.
 const std::vector<const char*>& plot_variables();
 XmlLines plotfile_lines();
+
+/// The model's own text with a few elements changed. `text`: of the model, version 4.0. Nothing when an element to be
+/// changed is not in it (it is in an included file, or the text is not as expected); `why` then says which. Adds its
+/// own changes (solver, plot file) to `plan.changes`.
+std::optional<std::string> edit_feb(const JointModel& model, ConversionPlan& plan, const std::string& text,
+                                    std::string& why);
 
 /// A whole file. `dropped`: what is not part of the joint and not in it, a line each.
 std::string write_feb(const JointModel& model, const ConversionPlan& plan, const std::string& encoding,

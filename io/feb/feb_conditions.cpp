@@ -8,8 +8,6 @@
 #include <numbers>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
-#include "io/febio/symmetry_words.h"
 #include "src/model/load_curve.h"
 
 namespace dea::feb {
@@ -46,14 +44,13 @@ febio::OnNodes on_nodes(Reading& reading, const XMLElement& element) {
 }
 
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value) {
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Boundary, component);
+  const febio::Component component = checked(reading, febio::Place::Boundary, element);
   febio::prescribe_nodes(reading, on_nodes(reading, element), dof, febio::find(component, value),
                          febio::flag_of(reading, component, "relative"));
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
-  febio::check_words(reading, febio::Place::Boundary, component_of(reading, element));
+  checked(reading, febio::Place::Boundary, element);
   RigidNodes rigid;
   rigid.material = need_rigid(reading, element, body);
   rigid.nodes = nodes_of(reading, element);
@@ -75,8 +72,7 @@ bool rigid_connector(Reading& reading, const febio::Component& component) {
 }
 
 void read_rigid(Reading& reading, const XMLElement& element) {
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Rigid, component);
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
   if (febio::rigid_condition(reading, component, steps_of(reading)) || rigid_connector(reading, component)) return;
   unsupported_word(reading, element, fmt::format("{} {}", element.Name(), quote(component.type)),
                    febio::WordOf::RigidCondition, component.type);
@@ -90,10 +86,9 @@ namespace {
 int need_word(const Reading& reading, const XMLElement& element, std::initializer_list<const char*> words) {
   const int position = febio::place_of_word(text_of(element), words);
   if (position >= 0) return position;
-  std::string expected;
-  for (const char* word : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", word);
   fail(reading, element,
-       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))), expected));
+       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))),
+                   fmt::join(words, ", ")));
 }
 
 /// primary_E, secondary_thickness and so on; false: the element is none of these.
@@ -188,8 +183,7 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.kind = *febio::contact_kind(contact.type);
   contact.primary = primary;
   contact.secondary = secondary;
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Contact, component);
+  const febio::Component component = checked(reading, febio::Place::Contact, element);
   contact.max_distance = febio::tie_reach(reading, component);
   contact.closes_gap = febio::closes_gap(component);
   contact.ignored = febio::ignored_contact_parameters(component);
@@ -313,7 +307,7 @@ std::string boundary_condition(const XMLElement& element, const std::string& typ
 void read_bc_30(Reading& reading, const XMLElement& element) {
   const std::string type = attribute(element, "type");
   if (type == "fix") {
-    febio::check_words(reading, febio::Place::Boundary, component_of(reading, element));
+    checked(reading, febio::Place::Boundary, element);
     febio::fix_nodes(reading, on_nodes(reading, element), child_text(element, "dofs"));
   } else if (type == "prescribe") {
     prescribe_nodes(reading, element, child_text(element, "dof"), "scale");
@@ -328,8 +322,7 @@ void read_bc_30(Reading& reading, const XMLElement& element) {
 void read_bc_40(Reading& reading, const XMLElement& element) {
   const std::string type = attribute(element, "type");
   if (type == "zero displacement") {
-    const febio::Component component = component_of(reading, element);
-    febio::check_words(reading, febio::Place::Boundary, component);
+    const febio::Component component = checked(reading, febio::Place::Boundary, element);
     febio::zero_displacement(reading, component, on_nodes(reading, element));
   } else if (type == "prescribed displacement") {
     prescribe_nodes(reading, element, child_text(element, "dof"), "value");

@@ -5,7 +5,6 @@
 
 #include "io/feb/feb_reading.h"
 #include "io/febio/febio_material.h"
-#include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/model/load_curve.h"

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
 
 namespace dea::feb {
 namespace {
@@ -119,8 +118,7 @@ febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element
 void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Rigid, component);
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
   if (rigid_connector(reading, component)) return;
   if (!febio::contact_kind(type))
     return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);

@@ -153,6 +153,12 @@ febio::Component component_of(const Reading& reading, const XMLElement& element)
   return component;
 }
 
+febio::Component checked(Reading& reading, febio::Place place, const XMLElement& element) {
+  febio::Component component = component_of(reading, element);
+  febio::check_words(reading, place, component);
+  return component;
+}
+
 febio::Steps steps_of(const Reading& reading) { return {reading.step}; }
 
 std::string child_text(const XMLElement& parent, const char* name) {

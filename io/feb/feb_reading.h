@@ -20,6 +20,7 @@
 #include "io/feb/feb_xml.h"
 #include "io/febio/component.h"
 #include "io/febio/interpret.h"
+#include "io/febio/known_words.h"
 #include "src/base/names.h"
 #include "src/model/joint_model.h"
 
@@ -229,6 +230,8 @@ Scaled read_scaled(const Reading& reading, const XMLElement& element);
 /// An element with its children, as it stands; without lists of nodes and facets (`node`, `surface`), which may be long
 /// and are read by themselves.
 febio::Component component_of(const Reading& reading, const XMLElement& element);
+/// The same, its parameters compared with FEBio's.
+febio::Component checked(Reading& reading, febio::Place place, const XMLElement& element);
 /// The steps of what is read now.
 febio::Steps steps_of(const Reading& reading);
 /// The text of a child; "": there is none.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/model/load_curve.h"
@@ -109,7 +108,7 @@ void read_load_data(Reading& reading, const XMLElement& element) {
   curve.origin = origin_of(reading, element);
   const std::string type = attribute(element, "type");
   check_attributes(reading, element);
-  if (tag == "load_controller") febio::check_words(reading, febio::Place::Controller, component_of(reading, element));
+  if (tag == "load_controller") checked(reading, febio::Place::Controller, element);
   if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
     read_curve(reading, element, tag == "loadcurve", curve);
   } else if (type == "math") {

@@ -29,18 +29,16 @@ struct Reading {
 
 /// A part of the material that has no place in E and nu. `instead`: what is taken.
 void leave_out(const Reading& reading, const MaterialTree& part, const std::string& what, const char* instead) {
-  Remark remark;
-  remark.what = fmt::format("material {}: {}; {}", quote(reading.name), what, instead);
-  remark.origin = part.origin;
-  reading.left_out.push_back(std::move(remark));
+  reading.left_out.push_back(
+      {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {
-  std::string type;  ///< nested types after a slash
+  std::string type = {};  ///< nested types after a slash
   double E = kNaN, nu = kNaN;
   double G = kNaN, lambda = kNaN;
-  std::string note;
+  std::string note = {};
   /// An uncoupled material: its bulk stiffness is a number of its own, K = k.
   bool uncoupled = false;
   double k = 0.0;
@@ -52,12 +50,7 @@ void add_note(std::string& note, const std::string& more) {
   note += more;
 }
 
-Stiffness unknown(const std::string& type, const std::string& why) {
-  Stiffness result;
-  result.type = type;
-  result.note = why;
-  return result;
-}
+Stiffness unknown(const std::string& type, const std::string& why) { return {.type = type, .note = why}; }
 
 void set_from_E_nu(Stiffness& s, double E, double nu) {
   s.E = E;

@@ -7,6 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
 #include "src/geometry/surface_mesh.h"
@@ -229,6 +230,31 @@ ThicknessText thickness_text(const std::string& type, std::string_view text) {
   if (text.empty()) return ThicknessText::Nothing;
   const bool meant_as_one = text.find_first_not_of("+-.,0123456789") == std::string_view::npos;
   return meant_as_one || whole_double(text) ? ThicknessText::Number : ThicknessText::Map;
+}
+
+std::optional<std::vector<SymmetryPlane>> planes_of_text(std::string_view text) {
+  std::vector<SymmetryPlane> planes;
+  if (trimmed(std::string(text)).empty()) return planes;
+  for (const std::string& part : split_at_commas(std::string(text))) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string::npos) return std::nullopt;
+    const std::string axis = trimmed(part.substr(0, equals));
+    const std::size_t k = axis.size() == 1 ? std::string_view("xyz").find(axis) : std::string_view::npos;
+    if (k == std::string_view::npos) return std::nullopt;
+    try {
+      planes.push_back({static_cast<int>(k), parse_number(trimmed(part.substr(equals + 1)))});
+    } catch (const BadValue&) {
+      return std::nullopt;
+    }
+  }
+  return planes;
+}
+
+std::string text_of_planes(const std::vector<SymmetryPlane>& planes) {
+  std::string text;
+  for (const SymmetryPlane& plane : planes)
+    text += fmt::format("{}{}={}", text.empty() ? "" : ", ", "xyz"[plane.axis], plane.at);
+  return text;
 }
 
 std::vector<double> must_points(const LoadController& curve, double begin, double end) {
