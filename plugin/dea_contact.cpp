@@ -23,7 +23,6 @@
 #include <vector>
 
 #include "io/febio/febio_rules.h"
-#include "io/febio/symmetry_words.h"
 #include "plugin/contact_in_file.h"
 #include "plugin/febio_log.h"
 #include "plugin/febio_wording.h"

@@ -51,6 +51,11 @@ void refuse_settings(const Settings& s) {
   refuse_word("skip-steps", s.skip_steps);
 }
 
+InputError nothing_to_convert(const JointModel& model, const Contact& contact) {
+  return fault_at(model, contact.origin,
+                  fmt::format("contact \"{}\" is of type dea already: nothing to convert", contact.name));
+}
+
 /// Contacts of the joint that become contacts of type dea.
 void choose_contacts(const JointModel& model, const Settings& settings, ConversionPlan& plan) {
   plan.converted.assign(model.contacts.size(), 0);
@@ -62,11 +67,7 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }
-  if (!any) {
-    const Contact& first = model.contacts[at(plan.joint.contacts.front().contact)];
-    throw fault_at(model, first.origin,
-                   fmt::format("contact \"{}\" is of type dea already: nothing to convert", first.name));
-  }
+  if (!any) throw nothing_to_convert(model, model.contacts[at(plan.joint.contacts.front().contact)]);
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const Contact& c = model.contacts[i];
     if (plan.converted[i] || c.kind != Contact::Kind::Sliding || c.dea) continue;
@@ -266,8 +267,7 @@ void convert_materials(const std::vector<int>& rigid_material, ConversionPlan& p
 /// FEBio makes one body of rigid materials whose elements share nodes: after the conversion these must be the bodies
 /// there were.
 void check_bodies(const JointModel& model, const ConversionPlan& plan, const std::vector<int>& rigid_material) {
-  std::vector<char> rigid;
-  for (const Material& m : plan.target.materials) rigid.push_back(m.rigid);
+  const std::vector<char> rigid = rigid_materials(plan.target, {});
   const Bodies after = find_bodies(plan.target, rigid);
   const auto& bodies = plan.joint.bodies;
   for (std::size_t a = 0; a < bodies.size(); ++a) {
@@ -301,12 +301,6 @@ std::vector<char> nodes_of_materials(const JointModel& model, const std::vector<
   return nodes;
 }
 
-std::vector<char> rigid_nodes(const JointModel& model) {
-  std::vector<char> rigid;
-  for (const Material& m : model.materials) rigid.push_back(m.rigid);
-  return nodes_of_materials(model, rigid);
-}
-
 /// Takes the nodes that became rigid out of a condition. True: none is left.
 template <class Condition>
 bool remove_rigid_nodes(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid, Condition& condition) {
@@ -332,7 +326,7 @@ void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartila
 }
 
 void convert_conditions(const JointModel& model, ConversionPlan& plan) {
-  const std::vector<char> was_rigid = rigid_nodes(model);
+  const std::vector<char> was_rigid = nodes_of_materials(model, rigid_materials(model, {}));
   const auto one = [&](auto& condition, std::size_t before, const std::string& what, std::vector<char>& gone) {
     gone.push_back(remove_rigid_nodes(was_rigid, plan.node_rigid, condition));
     if (gone.back())
@@ -542,8 +536,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   const bool all_dea = std::all_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind != Contact::Kind::Sliding || c.dea; });
   for (const Contact& c : model.contacts)
-    if (all_dea && c.dea)
-      throw fault_at(model, c.origin, fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
+    if (all_dea && c.dea) throw nothing_to_convert(model, c);
   plan.joint = make_joint(model, settings);
   if (!plan.joint.symmetry_planes.empty() && !settings.placements.empty())
     throw UsageError(Fault{
@@ -565,7 +558,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   convert_materials(rigid_material, plan);
   convert_domains(model, rigid, rigid_material, cartilage, bodies.of_material, plan);
   check_bodies(model, plan, rigid_material);
-  plan.node_rigid = rigid_nodes(plan.target);
+  plan.node_rigid = nodes_of_materials(plan.target, rigid_materials(plan.target, {}));
   convert_conditions(model, plan);
   check_faces(model, settings, plan);
   return plan;

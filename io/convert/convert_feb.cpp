@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "io/convert/conversion_plan.h"
-#include "io/convert/edit_feb.h"
 #include "io/convert/write_feb.h"
 #include "io/convert/xml_places.h"
 #include "io/settings/setting_words.h"

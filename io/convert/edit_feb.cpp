@@ -1,13 +1,13 @@
-#include "io/convert/edit_feb.h"
+#include "io/convert/write_feb.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include "io/convert/write_feb.h"
 #include "io/feb/feb_xml.h"
 #include "io/files/encoded_text.h"
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 
 namespace dea {
@@ -63,12 +63,7 @@ void edit_materials(Editing& e) {
       e.edits.append_child(element, {{0, "<center_of_mass>" + center + "</center_of_mass>"}});
   }
   if (e.plan.ground < 0) return;
-  const Material& ground = e.plan.target.materials[at(e.plan.ground)];
-  XmlLines lines = {
-      {0, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", ground.id, escaped(ground.name))}};
-  for (const XmlLine& line : rigid_material_lines(ground)) lines.push_back({1, line.text});
-  lines.push_back({0, "</material>"});
-  e.edits.append_child(need_section(e, "Material"), lines);
+  e.edits.append_child(need_section(e, "Material"), material_lines(e.plan.target.materials[at(e.plan.ground)]));
 }
 
 void edit_domains(Editing& e) {
@@ -112,15 +107,6 @@ void edit_domains(Editing& e) {
   }
 }
 
-/// A free name for the rest of a node set.
-std::string free_set_name(const Editing& e, const std::string& wanted, std::set<std::string>& taken) {
-  for (const NodeSet& s : e.model.node_sets) taken.insert(s.name);
-  std::string name = wanted;
-  for (int i = 2; taken.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
-  taken.insert(name);
-  return name;
-}
-
 template <class Condition>
 void edit_node_conditions(Editing& e, const std::vector<Condition>& before, const std::vector<Condition>& after,
                           const std::vector<char>& gone, std::set<std::string>& taken) {
@@ -131,7 +117,7 @@ void edit_node_conditions(Editing& e, const std::vector<Condition>& before, cons
       e.edits.remove(element);
       continue;
     }
-    const std::string name = free_set_name(e, e.places.at(element).value("node_set") + "_not_rigid", taken);
+    const std::string name = take_free_name(e.places.at(element).value("node_set") + "_not_rigid", taken);
     std::string list;
     for (int node : after[i].nodes) list += fmt::format("{}{}", list.empty() ? "" : ",", e.model.node_ids[at(node)]);
     e.edits.append_child(need_section(e, "Mesh"),
@@ -143,6 +129,7 @@ void edit_node_conditions(Editing& e, const std::vector<Condition>& before, cons
 
 void edit_conditions(Editing& e) {
   std::set<std::string> taken;
+  for (const NodeSet& s : e.model.node_sets) taken.insert(s.name);
   edit_node_conditions(e, e.model.rigid_nodes, e.plan.target.rigid_nodes, e.plan.rigid_nodes_gone, taken);
   edit_node_conditions(e, e.model.fixed_nodes, e.plan.target.fixed_nodes, e.plan.fixed_nodes_gone, taken);
   for (std::size_t i = 0; i < e.model.contacts.size(); ++i) {
@@ -190,34 +177,26 @@ void edit_conditions(Editing& e) {
 void add_sections(Editing& e) {
   XmlLines maps;
   for (std::size_t s = 0; s < e.plan.map_of_surface.size(); ++s) {
-    if (e.plan.map_of_surface[s].empty()) continue;
-    for (const XmlLine& line :
-         thickness_map_lines(e.model.surfaces[s], map_values(e.plan, static_cast<int>(s)), e.plan.map_of_surface[s]))
-      maps.push_back(line);
+    append(maps, thickness_map_lines(e.plan, s));
   }
   const int domains = need_section(e, "MeshDomains");
   XmlLines sections;  // new ones, behind MeshDomains
-  const auto as_section = [&](const char* name, const XmlLines& lines) {
-    sections.push_back({0, fmt::format("<{}>", name)});
-    for (const XmlLine& line : lines) sections.push_back({line.depth + 1, line.text});
-    sections.push_back({0, fmt::format("</{}>", name)});
-  };
   if (!maps.empty()) {
     const int data = e.places.child(0, "MeshData");
     if (data > domains && e.places.at(data).attribute("from") == nullptr)
       e.edits.append_child(data, maps);
     else
-      as_section("MeshData", maps);
+      append(sections, element_lines("MeshData", maps));
   }
   if (e.plan.target.rigid_fixed.size() > e.model.rigid_fixed.size()) {
     XmlLines held;
     for (std::size_t i = e.model.rigid_fixed.size(); i < e.plan.target.rigid_fixed.size(); ++i)
-      for (const XmlLine& line : rigid_fixed_lines(e.plan.target, e.plan.target.rigid_fixed[i])) held.push_back(line);
+      append(held, rigid_fixed_lines(e.plan.target, e.plan.target.rigid_fixed[i]));
     const int rigid = e.places.child(0, "Rigid"), step = e.places.child(0, "Step");
     if (rigid >= 0 && (step < 0 || rigid < step) && e.places.at(rigid).attribute("from") == nullptr)
       e.edits.append_child(rigid, held);
     else
-      as_section("Rigid", held);
+      append(sections, element_lines("Rigid", held));
   }
   if (!sections.empty()) e.edits.insert_after(domains, sections);
 }
@@ -264,23 +243,22 @@ std::string edit_solver(Editing& e, int solver) {
   }
   const int method = e.places.child(solver, "qn_method");
   if (method < 0) {
-    e.edits.append_child(solver, {{0, "<qn_method type=\"BFGS\">"}, {1, "<max_ups>0</max_ups>"}, {0, "</qn_method>"}});
-    note("qn_method BFGS, max_ups 0");
+    e.edits.append_child(solver, full_newton_lines());
   } else {
     const std::string type = e.places.at(method).value("type");
     const int ups = e.places.child(method, "max_ups");
-    if (type.empty() || type == "BFGS") {
-      if (ups >= 0 && feb::trim(e.places.content(ups)) == "0") return changed;
-      if (ups >= 0)
-        e.edits.set_content(ups, std::string("0"));
-      else
-        e.edits.append_child(method, {{0, "<max_ups>0</max_ups>"}});
-    } else {
+    if (!type.empty() && type != "BFGS") {
       e.edits.set_attribute(method, "type", "BFGS");
       e.edits.set_content(method, XmlLines{{0, "<max_ups>0</max_ups>"}});
+    } else if (ups < 0) {
+      e.edits.append_child(method, {{0, "<max_ups>0</max_ups>"}});
+    } else if (feb::trim(e.places.content(ups)) == "0") {
+      return changed;
+    } else {
+      e.edits.set_content(ups, std::string("0"));
     }
-    note("qn_method BFGS, max_ups 0");
   }
+  note("qn_method BFGS, max_ups 0");
   return changed;
 }
 
@@ -321,11 +299,7 @@ void edit_controls(Editing& e) {
     if (control >= 0) {
       said(which, edit_control(e, control));
     } else if (i > 0 || top < 0) {
-      XmlLines lines = {{0, "<Control>"}};
-      for (const XmlLine& line : solver_lines(e.model.module, e.plan.linear_solver))
-        lines.push_back({line.depth + 1, line.text});
-      lines.push_back({0, "</Control>"});
-      e.edits.append_child(steps[i], lines);
+      e.edits.append_child(steps[i], element_lines("Control", solver_lines(e.model.module, e.plan.linear_solver)));
       said(which, "new <Control>" + new_solver(e.plan));
     }
   }
@@ -336,13 +310,8 @@ void edit_output(Editing& e) {
   const int output = e.places.child(0, "Output");
   const int plotfile = output < 0 ? -1 : e.places.child(output, "plotfile");
   if (plotfile < 0) {
-    XmlLines lines = plotfile_lines();
-    if (output < 0) {
-      for (XmlLine& line : lines) ++line.depth;
-      lines.insert(lines.begin(), {0, "<Output>"});
-      lines.push_back({0, "</Output>"});
-    }
-    e.edits.append_child(output < 0 ? 0 : output, lines);
+    e.edits.append_child(std::max(output, 0),
+                         output < 0 ? element_lines("Output", plotfile_lines()) : plotfile_lines());
     e.plan.changes.push_back("plot file: new, with the variables of contact");
     return;
   }

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "io/feb/feb_xml.h"
-#include "io/febio/symmetry_words.h"
+#include "io/febio/febio_rules.h"
 #include "io/files/encoded_text.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
@@ -29,51 +29,7 @@ std::string body_reference(const Material& material) {
   return feb::whole_int(material.name) ? std::to_string(material.id) : material.name;
 }
 
-}  // namespace
-
-std::string exact(double value) { return fmt::format("{}", value); }
-std::string exact(const Vector3d& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
-
-XmlLines dea_contact_lines(const ConversionPlan& plan, const Contact& contact) {
-  const DeaContact& dea = *contact.dea;
-  XmlLines lines = {{0, leaf("law", name(*dea.law))},
-                    {0, leaf("facets", name(*dea.facets))},
-                    {0, leaf("source", dea.source == 0 ? "primary" : "secondary")},
-                    {0, leaf("refine", std::to_string(*dea.refine))}};
-  if (!dea.symmetry_planes.empty())
-    lines.push_back({0, leaf("symmetry_planes", febio::text_of_planes(dea.symmetry_planes))});
-  for (std::size_t side = 0; side < 2; ++side) {
-    const DeaLayer& layer = dea.layers[side];
-    const std::string prefix = side == 0 ? "primary_" : "secondary_";
-    if (layer.E) lines.push_back({0, leaf(prefix + "E", exact(*layer.E))});
-    if (layer.nu) lines.push_back({0, leaf(prefix + "nu", exact(*layer.nu))});
-    if (layer.thickness)
-      lines.push_back({0, leaf(prefix + "thickness", exact(*layer.thickness))});
-    else
-      lines.push_back(
-          {0, fmt::format("<{0}thickness type=\"map\">{1}</{0}thickness>", prefix,
-                          escaped(plan.map_of_surface[at(side == 0 ? contact.primary : contact.secondary)]))});
-  }
-  return lines;
-}
-
-XmlLines thickness_map_lines(const Surface& surface, const std::vector<double>& values, const std::string& name) {
-  XmlLines lines = {{0, fmt::format("<SurfaceData name=\"{}\" surface=\"{}\" data_type=\"scalar\">", escaped(name),
-                                    escaped(surface.name))}};
-  int largest = 0;
-  for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f)
-    largest = std::max(largest, surface.begin[f + 1] - surface.begin[f]);
-  for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f) {
-    std::string text;
-    for (int k = 0; k < largest; ++k)
-      text +=
-          fmt::format("{}{:.17g}", k ? "," : "", values[at(std::min(surface.begin[f] + k, surface.begin[f + 1] - 1))]);
-    lines.push_back({1, fmt::format("<face lid=\"{}\">{}</face>", f + 1, text)});
-  }
-  lines.push_back({0, "</SurfaceData>"});
-  return lines;
-}
-
+/// The thickness map of a surface in any of the converted contacts.
 const std::vector<double>& map_values(const ConversionPlan& plan, int surface) {
   static const std::vector<double> kNone;
   for (std::size_t i = 0; i < plan.target.contacts.size(); ++i) {
@@ -85,19 +41,76 @@ const std::vector<double>& map_values(const ConversionPlan& plan, int surface) {
   return kNone;
 }
 
-XmlLines rigid_material_lines(const Material& material) {
-  XmlLines lines = {{0, leaf("density", exact(material.density))}};
-  if (material.center_of_mass) lines.push_back({0, leaf("center_of_mass", exact(*material.center_of_mass))});
+/// `<name>value</name>`, as a line.
+XmlLine leaf_line(const std::string& name, const std::string& value) { return {0, leaf(name, value)}; }
+
+/// name="...", as an attribute.
+std::string named(const std::string& name) { return fmt::format("name=\"{}\"", escaped(name)); }
+
+}  // namespace
+
+std::string exact(double value) { return fmt::format("{}", value); }
+std::string exact(const Vector3d& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+
+XmlLines dea_contact_lines(const ConversionPlan& plan, const Contact& contact) {
+  const DeaContact& dea = *contact.dea;
+  XmlLines lines = {leaf_line("law", name(*dea.law)), leaf_line("facets", name(*dea.facets)),
+                    leaf_line("source", dea.source == 0 ? "primary" : "secondary"),
+                    leaf_line("refine", std::to_string(*dea.refine))};
+  if (!dea.symmetry_planes.empty())
+    lines.push_back(leaf_line("symmetry_planes", febio::text_of_planes(dea.symmetry_planes)));
+  for (std::size_t side = 0; side < 2; ++side) {
+    const DeaLayer& layer = dea.layers[side];
+    const std::string prefix = side == 0 ? "primary_" : "secondary_";
+    if (layer.E) lines.push_back(leaf_line(prefix + "E", exact(*layer.E)));
+    if (layer.nu) lines.push_back(leaf_line(prefix + "nu", exact(*layer.nu)));
+    if (layer.thickness)
+      lines.push_back(leaf_line(prefix + "thickness", exact(*layer.thickness)));
+    else
+      lines.push_back(
+          {0, fmt::format("<{0}thickness type=\"map\">{1}</{0}thickness>", prefix,
+                          escaped(plan.map_of_surface[at(side == 0 ? contact.primary : contact.secondary)]))});
+  }
   return lines;
+}
+
+XmlLines thickness_map_lines(const ConversionPlan& plan, std::size_t index) {
+  const std::string& name = plan.map_of_surface[index];
+  if (name.empty()) return {};
+  const Surface& surface = plan.target.surfaces[index];
+  const std::vector<double>& values = map_values(plan, static_cast<int>(index));
+  int largest = 0;
+  for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f)
+    largest = std::max(largest, surface.begin[f + 1] - surface.begin[f]);
+  XmlLines faces;
+  for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f) {
+    std::string text;
+    for (int k = 0; k < largest; ++k)
+      text +=
+          fmt::format("{}{:.17g}", k ? "," : "", values[at(std::min(surface.begin[f] + k, surface.begin[f + 1] - 1))]);
+    faces.push_back({0, fmt::format("<face lid=\"{}\">{}</face>", f + 1, text)});
+  }
+  return element_lines(
+      fmt::format("SurfaceData name=\"{}\" surface=\"{}\" data_type=\"scalar\"", escaped(name), escaped(surface.name)),
+      faces);
+}
+
+XmlLines rigid_material_lines(const Material& material) {
+  XmlLines lines = {leaf_line("density", exact(material.density))};
+  if (material.center_of_mass) lines.push_back(leaf_line("center_of_mass", exact(*material.center_of_mass)));
+  return lines;
+}
+
+XmlLines material_lines(const Material& material) {
+  return element_lines(fmt::format("material id=\"{}\" {} type=\"rigid body\"", material.id, named(material.name)),
+                       rigid_material_lines(material));
 }
 
 XmlLines rigid_fixed_lines(const JointModel& model, const RigidFixed& fixed) {
   constexpr const char* kFlags[kDofs] = {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"};
-  XmlLines lines = {{0, fmt::format("<rigid_bc name=\"{}\" type=\"rigid_fixed\">", escaped(fixed.name))},
-                    {1, leaf("rb", body_reference(model.materials[at(fixed.material)]))}};
-  for (std::size_t i = 0; i < kDofs; ++i) lines.push_back({1, leaf(kFlags[i], fixed.dofs[i] ? "1" : "0")});
-  lines.push_back({0, "</rigid_bc>"});
-  return lines;
+  XmlLines lines = {leaf_line("rb", body_reference(model.materials[at(fixed.material)]))};
+  for (std::size_t i = 0; i < kDofs; ++i) lines.push_back(leaf_line(kFlags[i], fixed.dofs[i] ? "1" : "0"));
+  return element_lines("rigid_bc " + named(fixed.name) + " type=\"rigid_fixed\"", lines);
 }
 
 std::vector<SolverParameter> solver_parameters(const std::string& linear_solver) {
@@ -121,15 +134,14 @@ XmlLines linear_solver_lines(const LinearSolver& linear_solver) {
   return {{0, content.empty() ? start + "/>" : start + ">" + content + "</linear_solver>"}};
 }
 
+XmlLines full_newton_lines() { return element_lines("qn_method type=\"BFGS\"", {leaf_line("max_ups", "0")}); }
+
 XmlLines solver_lines(const std::string& module, const LinearSolver& linear_solver) {
-  XmlLines lines = {{0, fmt::format("<solver type=\"{}\">", module.empty() ? "solid" : escaped(module))}};
-  for (const SolverParameter& p : solver_parameters(linear_solver.type)) lines.push_back({1, leaf(p.name, p.value)});
-  for (const XmlLine& line :
-       XmlLines{{1, "<qn_method type=\"BFGS\">"}, {2, "<max_ups>0</max_ups>"}, {1, "</qn_method>"}})
-    lines.push_back(line);
-  for (const XmlLine& line : linear_solver_lines(linear_solver)) lines.push_back({1, line.text});
-  lines.push_back({0, "</solver>"});
-  return lines;
+  XmlLines lines;
+  for (const SolverParameter& p : solver_parameters(linear_solver.type)) lines.push_back(leaf_line(p.name, p.value));
+  append(lines, full_newton_lines());
+  append(lines, linear_solver_lines(linear_solver));
+  return element_lines(fmt::format("solver type=\"{}\"", module.empty() ? "solid" : escaped(module)), lines);
 }
 
 const std::vector<const char*>& plot_variables() {
@@ -140,12 +152,12 @@ const std::vector<const char*>& plot_variables() {
 }
 
 XmlLines plotfile_lines() {
-  XmlLines lines = {{0, "<plotfile type=\"febio\">"}, {1, "<var type=\"displacement\"/>"}};
-  for (const char* variable : plot_variables()) lines.push_back({1, fmt::format("<var type=\"{}\"/>", variable)});
-  lines.push_back({1, "<var type=\"rigid force\"/>"});
-  lines.push_back({1, "<var type=\"rigid position\"/>"});
-  lines.push_back({0, "</plotfile>"});
-  return lines;
+  std::vector<const char*> variables = plot_variables();
+  variables.insert(variables.begin(), "displacement");
+  variables.insert(variables.end(), {"rigid force", "rigid position"});
+  XmlLines lines;
+  for (const char* variable : variables) lines.push_back({0, fmt::format("<var type=\"{}\"/>", variable)});
+  return element_lines("plotfile type=\"febio\"", lines);
 }
 
 namespace {
@@ -184,9 +196,7 @@ void write_materials(Writer& w) {
       continue;
     }
     m.id = ++id;
-    w.line(2, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", id, escaped(m.name)));
-    w.lines(3, rigid_material_lines(m));
-    w.line(2, "</material>");
+    w.lines(2, material_lines(m));
   }
   w.line(1, "</Material>");
 }
@@ -295,10 +305,9 @@ void write_pairs(Writer& w) {
       continue;
     }
     w.pair_of_contact[i] = take_free_name(c.name.empty() ? "joint" : c.name, names);
-    w.line(2, fmt::format("<SurfacePair name=\"{}\">", escaped(w.pair_of_contact[i])));
-    w.line(3, leaf("primary", w.model.surfaces[at(c.primary)].name));
-    w.line(3, leaf("secondary", w.model.surfaces[at(c.secondary)].name));
-    w.line(2, "</SurfacePair>");
+    w.lines(2, element_lines("SurfacePair " + named(w.pair_of_contact[i]),
+                             {leaf_line("primary", w.model.surfaces[at(c.primary)].name),
+                              leaf_line("secondary", w.model.surfaces[at(c.secondary)].name)}));
   }
   for (const DiscreteSet& s : w.model.discrete_sets) {
     w.line(2, fmt::format("<DiscreteSet name=\"{}\">", escaped(s.name)));
@@ -316,16 +325,13 @@ void write_domains(Writer& w) {
   for (std::size_t i = 0; i < w.model.domains.size(); ++i) {
     if (!w.domain_kept[i]) continue;
     const Domain& d = w.model.domains[i];
-    const std::string start =
-        fmt::format("<{} name=\"{}\" mat=\"{}\"", is_shell(d.shape) ? "ShellDomain" : "SolidDomain",
-                    escaped(w.domain_names[i]), escaped(w.model.materials[at(d.material)].name));
-    if (is_shell(d.shape) && (d.shell_thickness.empty() || uniform(d.shell_thickness))) {
-      w.line(2, start + ">");
-      w.line(3, leaf("shell_thickness", exact(d.shell_thickness.empty() ? 0.0 : d.shell_thickness.front())));
-      w.line(2, "</ShellDomain>");
-    } else {
-      w.line(2, start + "/>");
-    }
+    const std::string start = fmt::format("{} {} mat=\"{}\"", is_shell(d.shape) ? "ShellDomain" : "SolidDomain",
+                                          named(w.domain_names[i]), escaped(w.model.materials[at(d.material)].name));
+    if (is_shell(d.shape) && (d.shell_thickness.empty() || uniform(d.shell_thickness)))
+      w.lines(2, element_lines(start, {leaf_line("shell_thickness",
+                                                 exact(d.shell_thickness.empty() ? 0.0 : d.shell_thickness.front()))}));
+    else
+      w.line(2, "<" + start + "/>");
   }
   w.line(1, "</MeshDomains>");
 
@@ -342,11 +348,7 @@ void write_domains(Writer& w) {
     }
     w.line(2, "</ElementData>");
   }
-  for (std::size_t s = 0; s < w.plan.map_of_surface.size(); ++s) {
-    if (w.plan.map_of_surface[s].empty()) continue;
-    w.lines(
-        2, thickness_map_lines(w.model.surfaces[s], map_values(w.plan, static_cast<int>(s)), w.plan.map_of_surface[s]));
-  }
+  for (std::size_t s = 0; s < w.plan.map_of_surface.size(); ++s) w.lines(2, thickness_map_lines(w.plan, s));
   w.line(1, "</MeshData>");
 }
 
@@ -360,69 +362,56 @@ std::string scaled(const Writer& w, const Scaled& s) {
 XmlLines rigid_lines(const Writer& w, int step) {
   constexpr const char* kForces[kDofs] = {"Rx", "Ry", "Rz", "Ru", "Rv", "Rw"};
   XmlLines lines;
-  const auto add = [&](const XmlLines& more) { lines.insert(lines.end(), more.begin(), more.end()); };
   for (const RigidFixed& f : w.model.rigid_fixed)
-    if (f.step == step) add(rigid_fixed_lines(w.model, f));
-  for (const RigidPrescribed& p : w.model.rigid_prescribed) {
-    if (p.step != step) continue;
-    add({{0, fmt::format("<rigid_bc name=\"{}\" type=\"{}\">", escaped(p.name),
-                         p.dof < 3 ? "rigid_displacement" : "rigid_rotation")},
-         {1, leaf("rb", body(w, p.material))},
-         {1, leaf("dof", p.dof < 3 ? kDofNames[p.dof] : kForces[p.dof])},
-         {1, scaled(w, p.value)},
-         {1, leaf("relative", p.relative ? "1" : "0")},
-         {0, "</rigid_bc>"}});
-  }
-  for (const RigidLoad& l : w.model.rigid_loads) {
-    if (l.step != step) continue;
-    add({{0, fmt::format("<rigid_load name=\"{}\" type=\"{}\">", escaped(l.name),
-                         l.dof < 3 ? "rigid_force" : "rigid_moment")},
-         {1, leaf("rb", body(w, l.material))},
-         {1, leaf("dof", kForces[l.dof])},
-         {1, scaled(w, l.value)},
-         {1, leaf("load_type", std::array{"LOAD", "FOLLOW", "TARGET"}[static_cast<std::size_t>(l.kind)])},
-         {1, leaf("relative", l.relative ? "1" : "0")},
-         {0, "</rigid_load>"}});
-  }
-  for (const RigidSpring& s : w.model.rigid_springs) {
-    if (s.step != step) continue;
-    add({{0, fmt::format("<rigid_connector name=\"{}\" type=\"rigid spring\">", escaped(s.name))},
-         {1, leaf("body_a", body(w, s.material_a))},
-         {1, leaf("body_b", body(w, s.material_b))},
-         {1, leaf("k", exact(s.k))},
-         {1, leaf("insertion_a", exact(s.insertion_a))},
-         {1, leaf("insertion_b", exact(s.insertion_b))},
-         {1, leaf("free_length", exact(s.free_length))},
-         {0, "</rigid_connector>"}});
-  }
+    if (f.step == step) append(lines, rigid_fixed_lines(w.model, f));
+  const auto add = [&](const char* tag, const auto& condition, const char* type, const XmlLines& parameters) {
+    if (condition.step == step)
+      append(lines, element_lines(fmt::format("{} {} type=\"{}\"", tag, named(condition.name), type), parameters));
+  };
+  for (const RigidPrescribed& p : w.model.rigid_prescribed)
+    add("rigid_bc", p, p.dof < 3 ? "rigid_displacement" : "rigid_rotation",
+        {leaf_line("rb", body(w, p.material)),
+         leaf_line("dof", p.dof < 3 ? kDofNames[p.dof] : kForces[p.dof]),
+         {0, scaled(w, p.value)},
+         leaf_line("relative", p.relative ? "1" : "0")});
+  for (const RigidLoad& l : w.model.rigid_loads)
+    add("rigid_load", l, l.dof < 3 ? "rigid_force" : "rigid_moment",
+        {leaf_line("rb", body(w, l.material)),
+         leaf_line("dof", kForces[l.dof]),
+         {0, scaled(w, l.value)},
+         leaf_line("load_type", word_of(l.kind, {"LOAD", "FOLLOW", "TARGET"})),
+         leaf_line("relative", l.relative ? "1" : "0")});
+  for (const RigidSpring& s : w.model.rigid_springs)
+    add("rigid_connector", s, "rigid spring",
+        {leaf_line("body_a", body(w, s.material_a)), leaf_line("body_b", body(w, s.material_b)),
+         leaf_line("k", exact(s.k)), leaf_line("insertion_a", exact(s.insertion_a)),
+         leaf_line("insertion_b", exact(s.insertion_b)), leaf_line("free_length", exact(s.free_length))});
   return lines;
 }
 
 /// The sections Boundary, Rigid, Contact and Discrete of one step, or of all (-1).
 void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCondition>& on_nodes) {
   const auto section = [&](const char* name, const XmlLines& lines) {
-    if (lines.empty()) return;
-    w.line(depth, fmt::format("<{}>", name));
-    w.lines(depth + 1, lines);
-    w.line(depth, fmt::format("</{}>", name));
+    if (!lines.empty()) w.lines(depth, element_lines(name, lines));
   };
   XmlLines boundary;
+  const auto add = [&](const auto& condition, const NodeCondition& on, const char* type, const XmlLines& parameters) {
+    if (condition.step == step)
+      append(boundary, element_lines(fmt::format("bc {} type=\"{}\" node_set=\"{}\"", named(condition.name), type,
+                                                 escaped(on.set)),
+                                     parameters));
+  };
   for (const NodeCondition& c : on_nodes) {
     if (c.fixed) {
       const FixedNodes& f = w.model.fixed_nodes[c.index];
-      if (f.step != step) continue;
-      boundary.push_back({0, fmt::format("<bc name=\"{}\" type=\"zero displacement\" node_set=\"{}\">", escaped(f.name),
-                                         escaped(c.set))});
+      XmlLines flags;
       for (std::size_t k = 0; k < 3; ++k)
-        boundary.push_back({1, leaf(fmt::format("{}_dof", kDofNames[k]), f.xyz[k] ? "1" : "0")});
+        flags.push_back(leaf_line(fmt::format("{}_dof", kDofNames[k]), f.xyz[k] ? "1" : "0"));
+      add(f, c, "zero displacement", flags);
     } else {
       const RigidNodes& r = w.model.rigid_nodes[c.index];
-      if (r.step != step) continue;
-      boundary.push_back(
-          {0, fmt::format("<bc name=\"{}\" type=\"rigid\" node_set=\"{}\">", escaped(r.name), escaped(c.set))});
-      boundary.push_back({1, leaf("rb", body(w, r.material))});
+      add(r, c, "rigid", {leaf_line("rb", body(w, r.material))});
     }
-    boundary.push_back({0, "</bc>"});
   }
   section("Boundary", boundary);
   section("Rigid", rigid_lines(w, step));
@@ -430,11 +419,10 @@ void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCond
   XmlLines contact;
   for (std::size_t i = 0; i < w.model.contacts.size(); ++i) {
     const Contact& c = w.model.contacts[i];
-    if (!c.dea || c.step != step) continue;
-    contact.push_back({0, fmt::format("<contact name=\"{}\" type=\"dea\" surface_pair=\"{}\">", escaped(c.name),
-                                      escaped(w.pair_of_contact[i]))});
-    for (const XmlLine& one : dea_contact_lines(w.plan, c)) contact.push_back({1, one.text});
-    contact.push_back({0, "</contact>"});
+    if (c.dea && c.step == step)
+      append(contact, element_lines(fmt::format("contact {} type=\"dea\" surface_pair=\"{}\"", named(c.name),
+                                                escaped(w.pair_of_contact[i])),
+                                    dea_contact_lines(w.plan, c)));
   }
   section("Contact", contact);
 
@@ -442,11 +430,10 @@ void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCond
   for (const DiscreteSprings& s : w.model.discrete_springs) {
     if (s.step != step) continue;
     ++w.discrete_materials;
-    discrete.push_back(
-        {0, fmt::format("<discrete_material id=\"{}\" name=\"{}\" type=\"{}\">", w.discrete_materials, escaped(s.name),
-                        s.tension_only ? "tension-only linear spring" : "linear spring")});
-    discrete.push_back({1, leaf("E", exact(s.stiffness))});
-    discrete.push_back({0, "</discrete_material>"});
+    append(discrete,
+           element_lines(fmt::format("discrete_material id=\"{}\" {} type=\"{}\"", w.discrete_materials, named(s.name),
+                                     s.tension_only ? "tension-only linear spring" : "linear spring"),
+                         {leaf_line("E", exact(s.stiffness))}));
     discrete.push_back({0, fmt::format("<discrete dmat=\"{}\" discrete_set=\"{}\"/>", w.discrete_materials,
                                        escaped(w.model.discrete_sets[at(s.set)].name))});
   }
@@ -473,31 +460,24 @@ void write_steps(Writer& w, const std::vector<NodeCondition>& on_nodes) {
     const Step& s = w.model.steps[i];
     w.line(2, fmt::format("<step id=\"{}\" name=\"{}\">", i + 1,
                           escaped(s.name.empty() ? fmt::format("Step{:02}", i + 1) : s.name)));
-    w.line(3, "<Control>");
-    w.line(4, leaf("analysis", "STATIC"));
+    XmlLines control = {leaf_line("analysis", "STATIC")};
     // FEBio ends a step after its number of steps, or at its final time where must points make steps of other sizes.
     const double steps = std::round(s.duration / s.step_size);
-    if (std::abs(steps * s.step_size - s.duration) <= 1e-9 * s.duration) {
-      w.line(4, leaf("time_steps", exact(steps)));
-    } else {
-      w.line(4, leaf("time_steps", "-1"));
-      w.line(4, leaf("final_time", exact(s.duration)));
-    }
-    w.line(4, leaf("step_size", exact(s.step_size)));
-    w.line(4, "<time_stepper type=\"default\">");
-    w.line(5, leaf("max_retries", "10"));
-    w.line(5, leaf("opt_iter", "20"));
-    w.line(5, leaf("dtmin", exact(s.step_size / 1000)));
-    if (s.must_points.empty()) {
-      w.line(5, leaf("dtmax", exact(s.step_size)));
-    } else {
+    const bool whole = std::abs(steps * s.step_size - s.duration) <= 1e-9 * s.duration;
+    control.push_back(leaf_line("time_steps", whole ? exact(steps) : "-1"));
+    if (!whole) control.push_back(leaf_line("final_time", exact(s.duration)));
+    control.push_back(leaf_line("step_size", exact(s.step_size)));
+    XmlLines stepper = {leaf_line("max_retries", "10"), leaf_line("opt_iter", "20"),
+                        leaf_line("dtmin", exact(s.step_size / 1000))};
+    std::string lc;
+    if (!s.must_points.empty()) {
       w.dtmax_points.push_back(s.must_points);
-      w.line(5, fmt::format("<dtmax lc=\"{}\">{}</dtmax>",
-                            w.dtmax_controllers + static_cast<int>(w.dtmax_points.size()), exact(s.step_size)));
+      lc = fmt::format(" lc=\"{}\"", w.dtmax_controllers + static_cast<int>(w.dtmax_points.size()));
     }
-    w.line(4, "</time_stepper>");
-    w.lines(4, solver_lines("solid", w.plan.linear_solver));
-    w.line(3, "</Control>");
+    stepper.push_back({0, fmt::format("<dtmax{}>{}</dtmax>", lc, exact(s.step_size))});
+    append(control, element_lines("time_stepper type=\"default\"", stepper));
+    append(control, solver_lines("solid", w.plan.linear_solver));
+    w.lines(3, element_lines("Control", control));
     write_conditions(w, 3, static_cast<int>(i), on_nodes);
     w.line(2, "</step>");
   }
@@ -505,9 +485,6 @@ void write_steps(Writer& w, const std::vector<NodeCondition>& on_nodes) {
 }
 
 void write_load_data(Writer& w) {
-  constexpr const char* kInterpolate[] = {"LINEAR",         "STEP",          "SMOOTH",      "CUBIC SPLINE",
-                                          "CONTROL POINTS", "APPROXIMATION", "SMOOTH STEP", "C2-SMOOTH"};
-  constexpr const char* kExtend[] = {"CONSTANT", "EXTRAPOLATE", "REPEAT", "REPEAT OFFSET"};
   std::vector<LoadController> curves;
   for (std::size_t i = 0; i < w.model.controllers.size(); ++i)
     if (w.controller_id[i] > 0) curves.push_back(w.model.controllers[i]);
@@ -517,26 +494,26 @@ void write_load_data(Writer& w) {
     for (double t : times) curve.points.push_back({t, 1.0});
     curves.push_back(curve);
   }
-  if (curves.empty()) return;
-  w.line(1, "<LoadData>");
+  XmlLines lines;
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const LoadController& c = curves[i];
-    w.line(2, fmt::format("<load_controller id=\"{}\" name=\"{}\" type=\"{}\">", i + 1,
-                          escaped(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name),
-                          c.expression.empty() ? "loadcurve" : "math"));
-    if (!c.expression.empty()) {
-      w.line(3, leaf("math", c.expression));
-      w.line(2, "</load_controller>");
-      continue;
+    const bool math = !c.expression.empty();
+    XmlLines content = {leaf_line("math", c.expression)};
+    if (!math) {
+      XmlLines points;
+      for (const auto& p : c.points) points.push_back({0, fmt::format("<pt>{},{}</pt>", p[0], p[1])});
+      content = {
+          leaf_line("interpolate", word_of(c.interpolate, {"LINEAR", "STEP", "SMOOTH", "CUBIC SPLINE", "CONTROL POINTS",
+                                                           "APPROXIMATION", "SMOOTH STEP", "C2-SMOOTH"})),
+          leaf_line("extend", word_of(c.extend, {"CONSTANT", "EXTRAPOLATE", "REPEAT", "REPEAT OFFSET"}))};
+      append(content, element_lines("points", points));
     }
-    w.line(3, leaf("interpolate", kInterpolate[static_cast<int>(c.interpolate)]));
-    w.line(3, leaf("extend", kExtend[static_cast<int>(c.extend)]));
-    w.line(3, "<points>");
-    for (const auto& p : c.points) w.line(4, fmt::format("<pt>{},{}</pt>", p[0], p[1]));
-    w.line(3, "</points>");
-    w.line(2, "</load_controller>");
+    append(lines, element_lines(fmt::format("load_controller id=\"{}\" {} type=\"{}\"", i + 1,
+                                            named(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name),
+                                            math ? "math" : "loadcurve"),
+                                content));
   }
-  w.line(1, "</LoadData>");
+  if (!lines.empty()) w.lines(1, element_lines("LoadData", lines));
 }
 
 /// What is read, but has no lines here: rather no file than one without it.
@@ -565,13 +542,10 @@ std::string write_feb(const JointModel& model, const ConversionPlan& plan, const
   Writer w{plan, dropped, plan.target};
   w.line(0, fmt::format("<?xml version=\"1.0\" encoding=\"{}\"?>", encoding));
   w.line(0, "<febio_spec version=\"4.0\">");
-  if (model.units.empty()) {
+  if (model.units.empty())
     w.line(1, "<Module type=\"solid\"/>");
-  } else {
-    w.line(1, "<Module type=\"solid\">");
-    w.line(2, leaf("units", model.units));
-    w.line(1, "</Module>");
-  }
+  else
+    w.lines(1, element_lines("Module type=\"solid\"", {leaf_line("units", model.units)}));
   write_materials(w);
   w.line(1, "<Mesh>");
   write_nodes(w);
@@ -585,9 +559,7 @@ std::string write_feb(const JointModel& model, const ConversionPlan& plan, const
   write_conditions(w, 1, -1, on_nodes);
   write_steps(w, on_nodes);
   write_load_data(w);
-  w.line(1, "<Output>");
-  w.lines(2, plotfile_lines());
-  w.line(1, "</Output>");
+  w.lines(1, element_lines("Output", plotfile_lines()));
   w.line(0, "</febio_spec>");
   for (const ElementSet& s : model.element_sets) drop(w, fmt::format("element set \"{}\"", s.name));
   for (const Remark& r : model.ignored) drop(w, r.count > 1 ? fmt::format("{} ({} times)", r.what, r.count) : r.what);

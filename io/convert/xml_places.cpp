@@ -189,6 +189,15 @@ std::optional<XmlPlaces> find_places(std::string text) {
   return places;
 }
 
+void append(XmlLines& lines, const XmlLines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
+
+XmlLines element_lines(const std::string& start, const XmlLines& content) {
+  XmlLines lines = {{0, "<" + start + ">"}};
+  for (const XmlLine& line : content) lines.push_back({line.depth + 1, line.text});
+  lines.push_back({0, "</" + start.substr(0, start.find(' ')) + ">"});
+  return lines;
+}
+
 XmlEdits::XmlEdits(const XmlPlaces& places) : places_(places), removed_(places.elements.size(), 0) {
   const std::size_t first = places.text.find('\n');
   line_end_ = first != std::string::npos && first > 0 && places.text[first - 1] == '\r' ? "\r\n" : "\n";
@@ -252,15 +261,9 @@ void XmlEdits::set_content(int element, const XmlLines& lines) {
   set_content(element, text);
 }
 
-void XmlEdits::append_child(int element, const XmlLines& lines) {
-  XmlLines& all = appended_[element];
-  all.insert(all.end(), lines.begin(), lines.end());
-}
+void XmlEdits::append_child(int element, const XmlLines& lines) { append(appended_[element], lines); }
 
-void XmlEdits::insert_after(int element, const XmlLines& lines) {
-  XmlLines& all = after_[element];
-  all.insert(all.end(), lines.begin(), lines.end());
-}
+void XmlEdits::insert_after(int element, const XmlLines& lines) { append(after_[element], lines); }
 
 void XmlEdits::remove(int element) { removed_[static_cast<std::size_t>(element)] = 1; }
 

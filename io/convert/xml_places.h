@@ -54,6 +54,9 @@ struct XmlLine {
   std::string text;
 };
 using XmlLines = std::vector<XmlLine>;
+void append(XmlLines& lines, const XmlLines& more);
+/// `<start>`, the content a level deeper, `</name>`. `start`: the name, and attributes behind it.
+XmlLines element_lines(const std::string& start, const XmlLines& content);
 
 /// Changes of a text, gathered and made at once. New lines take the indentation and the line ends of their
 /// surroundings.
@@ -67,9 +70,8 @@ class XmlEdits {
   void set_content(int element, const XmlLines& lines);
   void append_child(int element, const XmlLines& lines);  ///< after the last child
   void insert_after(int element, const XmlLines& lines);
-  void remove(
-      int element);  ///< with its line; a parent that is left without children goes too, up to the root's children
-  bool is_removed(int element) const { return removed_[static_cast<std::size_t>(element)] != 0; }
+  /// With its line; a parent that is left without children goes too, up to the root's children.
+  void remove(int element);
 
   std::string apply() const;
 

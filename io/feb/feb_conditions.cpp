@@ -1,4 +1,5 @@
-// Conditions shared by the versions: held nodes, rigid bodies, contacts, springs, loads.
+// Conditions: held nodes, rigid bodies and what joins them, contacts, loads. Where they stand, on which nodes, and in
+// which steps they act; what they are: io/febio.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +8,6 @@
 #include <numbers>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
-#include "io/febio/symmetry_words.h"
 #include "src/model/load_curve.h"
 
 namespace dea::feb {
@@ -45,14 +44,13 @@ febio::OnNodes on_nodes(Reading& reading, const XMLElement& element) {
 }
 
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value) {
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Boundary, component);
+  const febio::Component component = checked(reading, febio::Place::Boundary, element);
   febio::prescribe_nodes(reading, on_nodes(reading, element), dof, febio::find(component, value),
                          febio::flag_of(reading, component, "relative"));
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
-  febio::check_words(reading, febio::Place::Boundary, component_of(reading, element));
+  checked(reading, febio::Place::Boundary, element);
   RigidNodes rigid;
   rigid.material = need_rigid(reading, element, body);
   rigid.nodes = nodes_of(reading, element);
@@ -62,79 +60,22 @@ void rigid_nodes(Reading& reading, const XMLElement& element, const std::string&
   reading.model.rigid_nodes.push_back(std::move(rigid));
 }
 
-// -- rigid bodies ------------------------------------------------------------------------------------
+// -- rigid bodies, and what joins them -----------------------------------------------------------------
 
-void read_rigid(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    const febio::Component component = component_of(reading, child);
-    febio::check_words(reading, febio::Place::Rigid, component);
-    if (febio::rigid_condition(reading, component, steps_of(reading)) || rigid_connector(reading, component)) continue;
-    unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(component.type)),
-                     febio::WordOf::RigidCondition, component.type);
-  }
+bool rigid_connector(Reading& reading, const febio::Component& component) {
+  reading.connector_names.insert(component.name);
+  const std::size_t before = reading.model.rigid_loads.size();
+  if (!febio::rigid_connector(reading, component, steps_of(reading))) return false;
+  for (std::size_t i = before; i < reading.model.rigid_loads.size(); ++i)
+    reading.moments_of[component.name].push_back(i);
+  return true;
 }
 
-namespace {
-
-int rigid_dof(const Reading& reading, const XMLElement& element) {
-  return febio::need_place_of_word(reading, origin_of(reading, element), element.Name(),
-                                   need_attribute(reading, element, "bc"), {"x", "y", "z", "Rx", "Ry", "Rz"});
-}
-
-void add_body_load(Reading& reading, const XMLElement& element, int material, const std::string& name) {
-  const int dof = rigid_dof(reading, element);
-  const std::string type = attribute(element, "type");
-  RigidLoad load = rigid_load(reading, element, material, dof, name);
-  if (type == "ramp") load.kind = RigidLoad::Kind::Target;
-  if (type == "follow") load.kind = RigidLoad::Kind::Follower;
-  if (!febio::one_of(type, {"", "ramp", "follow"})) {
-    unsupported(reading, element, fmt::format("{} with type {}", dof < 3 ? "rigid force" : "rigid moment", quote(type)),
-                "expected no type, ramp or follow");
-  } else if (dof >= 3 && !type.empty()) {
-    unsupported(reading, element, fmt::format("rigid moment with type {}, which FEBio 4 leaves out", quote(type)),
-                "remove the type, or save as 4.0");
-  } else {
-    reading.model.rigid_loads.push_back(std::move(load));
-  }
-}
-
-}  // namespace
-
-RigidLoad rigid_load(const Reading& reading, const XMLElement& element, int material, int dof,
-                     const std::string& name) {
-  RigidLoad load;
-  load.material = material;
-  load.dof = dof;
-  load.value = read_scaled(reading, element);
-  load.step = reading.step;
-  load.name = name;
-  load.origin = origin_of(reading, element);
-  return load;
-}
-
-void read_rigid_body(Reading& reading, const XMLElement& section) {
-  const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
-  const std::string name = name_of(section);
-  RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
-  bool any_fixed = false;
-  for (const XMLElement& child : children(section)) {
-    const std::string_view tag = child.Name();
-    if (tag == "fixed") {
-      fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, child))] = any_fixed = true;
-    } else if (tag == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, child), read_scaled(reading, child),
-                                                attribute(child, "type") == "relative", reading.step, name,
-                                                origin_of(reading, child)});
-    } else if (tag == "force") {
-      add_body_load(reading, child, material, name);
-    } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
-      ignore(reading, child, "initial velocity of a rigid body");
-    } else {
-      unsupported(reading, child, fmt::format("<{}> in rigid_body", tag),
-                  "expected fixed, prescribed, force or initial_velocity");
-    }
-  }
-  if (any_fixed) febio::add_old_fix(reading, std::move(fixed));
+void read_rigid(Reading& reading, const XMLElement& element) {
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
+  if (febio::rigid_condition(reading, component, steps_of(reading)) || rigid_connector(reading, component)) return;
+  unsupported_word(reading, element, fmt::format("{} {}", element.Name(), quote(component.type)),
+                   febio::WordOf::RigidCondition, component.type);
 }
 
 // -- contact -----------------------------------------------------------------------------------------
@@ -145,10 +86,9 @@ namespace {
 int need_word(const Reading& reading, const XMLElement& element, std::initializer_list<const char*> words) {
   const int position = febio::place_of_word(text_of(element), words);
   if (position >= 0) return position;
-  std::string expected;
-  for (const char* word : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", word);
   fail(reading, element,
-       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))), expected));
+       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))),
+                   fmt::join(words, ", ")));
 }
 
 /// primary_E, secondary_thickness and so on; false: the element is none of these.
@@ -243,8 +183,7 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.kind = *febio::contact_kind(contact.type);
   contact.primary = primary;
   contact.secondary = secondary;
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Contact, component);
+  const febio::Component component = checked(reading, febio::Place::Contact, element);
   contact.max_distance = febio::tie_reach(reading, component);
   contact.closes_gap = febio::closes_gap(component);
   contact.ignored = febio::ignored_contact_parameters(component);
@@ -255,25 +194,22 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   reading.model.contacts.push_back(std::move(contact));
 }
 
-void read_contact(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    if (std::string_view(child.Name()) != "contact") {
-      unsupported(reading, child, fmt::format("<{}> in Contact", child.Name()),
-                  "expected <contact type= surface_pair=>");
-      continue;
-    }
-    const std::string type = need_attribute(reading, child, "type");
-    if (!febio::contact_kind(type)) {
-      unsupported_word(reading, child, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
-      continue;
-    }
-    const SurfacePair pair = need_named(reading, child, "surface_pair", "SurfacePair", reading.surface_pairs);
-    add_contact(reading, child, pair.primary, pair.secondary);
-  }
+void read_contact(Reading& reading, const XMLElement& element) {
+  if (std::string_view(element.Name()) != "contact")
+    return unsupported(reading, element, fmt::format("<{}> in Contact", element.Name()),
+                       "expected <contact type= surface_pair=>");
+  const std::string type = need_attribute(reading, element, "type");
+  if (!febio::contact_kind(type))
+    return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
+  const SurfacePair pair = need_named(reading, element, "surface_pair", "SurfacePair", reading.surface_pairs);
+  add_contact(reading, element, pair.primary, pair.secondary);
 }
 
 // -- loads and the rest ------------------------------------------------------------------------------
 
+namespace {
+
+/// A load on nodes of 2.5 and later; false: none.
 bool nodal_load(Reading& reading, const XMLElement& element, febio::Component component) {
   if (!component.type.empty() && component.type != "nodal_load" && component.type != "nodal_force") return false;
   febio::check_words(reading, febio::Place::Load, component);
@@ -286,6 +222,8 @@ bool nodal_load(Reading& reading, const XMLElement& element, febio::Component co
   return true;
 }
 
+}  // namespace
+
 void read_load(Reading& reading, const XMLElement& element) {
   const febio::Component component = component_of(reading, element);
   if (component.tag == "rigid_load") febio::check_words(reading, febio::Place::Rigid, component);
@@ -294,17 +232,50 @@ void read_load(Reading& reading, const XMLElement& element) {
   febio::other_load(reading, component);
 }
 
-void read_loads(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    read_load(reading, child);
-  }
+void read_initial(Reading& reading, const XMLElement& element) {
+  febio::initial_condition(reading, component_of(reading, element));
 }
 
-void read_initial(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    febio::initial_condition(reading, component_of(reading, child));
+namespace {
+
+/// A constraint without a type: the one of this name acts in this step too; one given outside steps only where steps
+/// name it, as in FEBio.
+void name_connector_again(Reading& reading, const XMLElement& element) {
+  const std::string name = need_attribute(reading, element, "name");
+  if (reading.connector_names.count(name) == 0)
+    fail(reading, element,
+         fmt::format("<constraint name={}> without a type, expected the name of a constraint above it", quote(name)));
+  if (reading.step < 0) return;
+  const auto act_too = [&](auto& list, std::size_t i) {
+    if (list[i].step == reading.step) return;
+    if (list[i].step < 0) {  // of all steps until a step names it
+      list[i].step = reading.step;
+      return;
+    }
+    auto again = list[i];
+    again.step = reading.step;
+    list.push_back(std::move(again));
+  };
+  const auto in_this_step = [&](auto& list) {
+    for (std::size_t i = list.size(); i-- > 0;)
+      if (list[i].name == name) return act_too(list, i);
+  };
+  const auto moments = reading.moments_of.find(name);  // of a spherical joint: loads of their own
+  if (moments != reading.moments_of.end()) {
+    std::vector<std::size_t> now;
+    for (const std::size_t i : moments->second) {
+      const std::size_t before = reading.model.rigid_loads.size();
+      act_too(reading.model.rigid_loads, i);
+      now.push_back(reading.model.rigid_loads.size() > before ? before : i);
+    }
+    moments->second = now;
   }
+  in_this_step(reading.model.rigid_springs);
+  in_this_step(reading.model.rigid_joints);
+  in_this_step(reading.model.rigid_axial_forces);
 }
+
+}  // namespace
 
 void read_constraint(Reading& reading, const XMLElement& element) {
   const febio::Component component = component_of(reading, element);
@@ -323,10 +294,48 @@ void read_constraint(Reading& reading, const XMLElement& element) {
   }
 }
 
-void read_constraints(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    read_constraint(reading, child);
+// -- Boundary of 3.0 and 4.0 ---------------------------------------------------------------------------
+
+namespace {
+
+/// How remarks call it.
+std::string boundary_condition(const XMLElement& element, const std::string& type) {
+  return type.empty() ? fmt::format("<{}> in Boundary", element.Name()) : fmt::format("bc {}", quote(type));
+}
+
+/// Types fix and prescribe.
+void read_bc_30(Reading& reading, const XMLElement& element) {
+  const std::string type = attribute(element, "type");
+  if (type == "fix") {
+    checked(reading, febio::Place::Boundary, element);
+    febio::fix_nodes(reading, on_nodes(reading, element), child_text(element, "dofs"));
+  } else if (type == "prescribe") {
+    prescribe_nodes(reading, element, child_text(element, "dof"), "scale");
+  } else if (type == "rigid") {
+    rigid_nodes(reading, element, child_text(element, "rb"));
+  } else {
+    unsupported_word(reading, element, boundary_condition(element, type), febio::WordOf::Boundary, type);
   }
 }
+
+/// Types in words, one flag per fixed dof.
+void read_bc_40(Reading& reading, const XMLElement& element) {
+  const std::string type = attribute(element, "type");
+  if (type == "zero displacement") {
+    const febio::Component component = checked(reading, febio::Place::Boundary, element);
+    febio::zero_displacement(reading, component, on_nodes(reading, element));
+  } else if (type == "prescribed displacement") {
+    prescribe_nodes(reading, element, child_text(element, "dof"), "value");
+  } else if (type == "rigid") {
+    rigid_nodes(reading, element, child_text(element, "rb"));
+  } else {
+    febio::other_boundary_condition(reading, component_of(reading, element), boundary_condition(element, type));
+  }
+}
+
+}  // namespace
+
+const Rules kRules30{.version = "3.0", .boundary = {.others = read_bc_30}};
+const Rules kRules40{.version = "4.0", .boundary = {.others = read_bc_40}};
 
 }  // namespace dea::feb

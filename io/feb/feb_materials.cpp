@@ -5,7 +5,6 @@
 
 #include "io/feb/feb_reading.h"
 #include "io/febio/febio_material.h"
-#include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/model/load_curve.h"
@@ -128,7 +127,8 @@ void read_material(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_materials(Reading& reading, const XMLElement& section) {
-  read_children(reading, section, {{"material", read_material}}, pass_over);
+  constexpr TagReader kReaders[] = {{"material", read_material}};
+  read_children(reading, section, kReaders, pass_over);
 }
 
 }  // namespace dea::feb

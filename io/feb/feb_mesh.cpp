@@ -10,6 +10,7 @@
 
 #include "io/feb/feb_reading.h"
 #include "src/base/error.h"
+#include "src/base/parse.h"
 #include "src/model/element_faces.h"
 
 namespace dea::feb {
@@ -22,19 +23,28 @@ bool is_element_name(const std::string& word, std::string_view name) {
   return rule.empty() || rule.front() == 'g' || rule == "ri";
 }
 
-}  // namespace
-
 /// "hex8", or with FEBio's integration rule; FEBio has further names for some shapes.
 std::optional<ElementShape> shape_of(const std::string& type) {
   constexpr std::pair<const char*, ElementShape> kOtherNames[] = {
       {"truss2", ElementShape::Line2}, {"ut4", ElementShape::Tet4},  {"q4eas", ElementShape::Quad4},
       {"q4ans", ElementShape::Quad4},  {"q4s", ElementShape::Quad4}, {"tri3s", ElementShape::Tri3}};
-  const std::string word = lower(type);
+  const std::string word = lower_case(type);
   for (const ElementType& row : element_types())
     if (is_element_name(word, row.name)) return row.shape;
   for (const auto& other : kOtherNames)
     if (is_element_name(word, other.first)) return other.second;
   return std::nullopt;
+}
+
+}  // namespace
+
+ElementShape need_shape(const Reading& reading, const XMLElement& element, const std::string& type) {
+  const auto shape = shape_of(type);
+  if (!shape)
+    fail(reading, element,
+         fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3",
+                     quote(type)));
+  return *shape;
 }
 
 namespace {
@@ -46,7 +56,9 @@ int facet_nodes(std::string_view tag) {
   return tag == "tri7" ? 7 : tag == "tri10" ? 10 : 0;
 }
 
-int read_id(const Reading& reading, const XMLElement& element, const char* name = "id") {
+}  // namespace
+
+int read_id(const Reading& reading, const XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
   const auto id = text == nullptr ? std::nullopt : whole_int(text);
   if (!id || *id < 1) {
@@ -56,6 +68,8 @@ int read_id(const Reading& reading, const XMLElement& element, const char* name 
   }
   return *id;
 }
+
+namespace {
 
 /// A number list of the wrong form: what is wrong with it.
 [[noreturn]] void fail_list(const Reading& reading, const XMLElement& element, std::string_view rest) {
@@ -130,14 +144,6 @@ void read_ranges(const Reading& reading, const XMLElement& element, Add add) {
   }
 }
 
-template <class Index>
-void add_name(const Reading& reading, const XMLElement& element, Index& index, const std::string& name, int place,
-              const char* what) {
-  if (!index.emplace(name, place).second) {
-    fail(reading, element, fmt::format("{} {} exists twice: rename one", what, quote(name)));
-  }
-}
-
 // -- nodes and elements ------------------------------------------------------------------------------
 
 /// An id of the model for a node or element of an instance: the part's own unless it is taken.
@@ -187,12 +193,7 @@ namespace {
 /// Gives a domain its material: by name, or by id where the format allows it.
 void assign_material(Reading& reading, const XMLElement& element, int domain, const std::string& mat, bool by_id) {
   int material = febio::find_material(reading, origin_of(reading, element), mat);
-  const auto id = whole_int(mat);
-  if (material < 0 && by_id && id) {
-    for (std::size_t i = 0; i < reading.model.materials.size(); ++i) {
-      if (reading.model.materials[i].id == *id) material = static_cast<int>(i);
-    }
-  }
+  if (material < 0 && by_id) material = febio::material_of_id(reading, mat);
   if (material < 0) {
     fail(reading, element,
          fmt::format("<{}> with mat = {}, expected the {} of a material{}", element.Name(), quote(mat),
@@ -226,17 +227,11 @@ void append_element(const Reading& reading, const XMLElement& element, const std
 void read_elements(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const std::string type = need_attribute(reading, section, "type");
-  const auto shape = shape_of(type);
-  if (!shape) {
-    fail(reading, section,
-         fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3",
-                     quote(type)));
-  }
   const int domain_number = static_cast<int>(model.domains.size());
   Domain domain;
   const std::string own_name = attribute(section, section.Attribute("name") != nullptr ? "name" : "elset");
   domain.name = full_name(reading, own_name);
-  domain.shape = *shape;
+  domain.shape = need_shape(reading, section, type);
   domain.origin = origin_of(reading, section);
   reading.first_element.push_back(reading.elements.size());
   for (const XMLElement& child : children(section)) {
@@ -334,8 +329,8 @@ void read_element_set(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     add(child, read_id(reading, child));
   }
-  add_name(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()),
-           "element set");
+  add_named(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()),
+            "element set");
   reading.model.element_sets.push_back(std::move(set));
 }
 
@@ -382,12 +377,8 @@ void append_face(const Reading& reading, const XMLElement& element, int count, c
 /// <Surface surface="name"/> in a surface: its facets too.
 void append_surface(Reading& reading, const XMLElement& element, Surface& surface) {
   const std::string name = need_attribute(reading, element, "surface");
-  const int other = find_name(reading.surface_index, name);
-  if (other < 0) {
-    fail(reading, element,
-         fmt::format("surface {} names {}, expected the name of a Surface above it{}", quote(surface.name), quote(name),
-                     those_there(name, reading.surface_index)));
-  }
+  const int other = need_entry(reading, element, fmt::format("surface {} names", quote(surface.name)), name,
+                               "Surface above it", reading.surface_index);
   const Surface& added = reading.model.surfaces[static_cast<std::size_t>(other)];
   count_entries(reading, element, added.nodes.size());
   const int before = surface.begin.back();
@@ -426,7 +417,7 @@ int read_surface(Reading& reading, const XMLElement& section, const std::string&
     surface.begin.push_back(static_cast<int>(surface.nodes.size()));
   }
   const int place = static_cast<int>(reading.model.surfaces.size());
-  add_name(reading, section, reading.surface_index, surface.name, place, "surface");
+  add_named(reading, section, reading.surface_index, surface.name, place, "surface");
   reading.model.surfaces.push_back(std::move(surface));
   return place;
 }
@@ -439,9 +430,7 @@ void read_edge(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     append_nodes(reading, child, 0, fmt::format("edge {}", quote(name)), nodes);
   }
-  if (!reading.edges.emplace(name, std::move(nodes)).second) {
-    fail(reading, section, fmt::format("edge {} exists twice: rename one", quote(name)));
-  }
+  add_named(reading, section, reading.edges, name, std::move(nodes), "edge");
 }
 
 void read_discrete_set(Reading& reading, const XMLElement& section) {
@@ -452,8 +441,8 @@ void read_discrete_set(Reading& reading, const XMLElement& section) {
     set.pairs.push_back(read_node_pair(
         reading, child, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name))));
   }
-  add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()),
-           "discrete set");
+  add_named(reading, section, reading.discrete_set_index, set.name,
+            static_cast<int>(reading.model.discrete_sets.size()), "discrete set");
   reading.model.discrete_sets.push_back(std::move(set));
 }
 
@@ -467,9 +456,7 @@ void read_part_list(Reading& reading, const XMLElement& section) {
            fmt::format("part list {} names {}, expected the name of an Elements section", quote(name), quote(part)));
     }
   }
-  if (!reading.part_lists.emplace(name, std::move(parts)).second) {
-    fail(reading, section, fmt::format("part list {} exists twice: rename one", quote(name)));
-  }
+  add_named(reading, section, reading.part_lists, name, std::move(parts), "part list");
 }
 
 /// The surface "@part_list:NAME": faces of the parts' elements that no second element of them has, and their shells.
@@ -523,16 +510,12 @@ int pair_surface(Reading& reading, const XMLElement& section, const char* new_ta
   }
   std::string name = attribute(*child, "surface");
   if (name.empty()) name = text_of(*child);
-  int surface = find_name(reading.surface_index, name);
-  if (surface < 0) surface = find_name(reading.surface_index, std::string(trim(name)));
-  if (surface < 0 && name.rfind("@part_list:", 0) == 0) {
-    surface = part_list_surface(reading, *child, name);
-  } else if (surface < 0) {
-    fail(reading, *child,
-         fmt::format("surface pair {} names {}, expected the name of a Surface above it{}",
-                     quote(attribute(section, "name")), quote(name), those_there(name, reading.surface_index)));
-  }
-  return surface;
+  const int trimmed = find_name(reading.surface_index, std::string(trim(name)));
+  if (trimmed >= 0 && find_name(reading.surface_index, name) < 0) return trimmed;
+  if (name.rfind("@part_list:", 0) == 0 && find_name(reading.surface_index, name) < 0)
+    return part_list_surface(reading, *child, name);
+  return need_entry(reading, *child, fmt::format("surface pair {} names", quote(attribute(section, "name"))), name,
+                    "Surface above it", reading.surface_index);
 }
 
 void read_surface_pair(Reading& reading, const XMLElement& section) {
@@ -540,9 +523,7 @@ void read_surface_pair(Reading& reading, const XMLElement& section) {
   SurfacePair pair;
   pair.primary = pair_surface(reading, section, "primary", "slave");
   pair.secondary = pair_surface(reading, section, "secondary", "master");
-  if (!reading.surface_pairs.emplace(name, pair).second) {
-    fail(reading, section, fmt::format("surface pair {} exists twice: rename one", quote(name)));
-  }
+  add_named(reading, section, reading.surface_pairs, name, pair, "surface pair");
 }
 
 // -- shell thickness ---------------------------------------------------------------------------------
@@ -699,19 +680,17 @@ void read_surface_map(Reading& reading, const XMLElement& section, const std::st
 
 }  // namespace
 
-void read_element_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    const std::string_view tag = child.Name();
-    if (tag == "element") {
-      const int id = read_id(reading, child);
-      const auto place = find_element(reading, id);
-      if (!place) fail(reading, child, fmt::format("ElementData of element {}, which does not exist: take it out", id));
-      read_data(reading, child, {*place});
-    } else if (tag == "elset") {
-      read_data(reading, child, places_of_set(reading, child, need_attribute(reading, child, "set")));
-    } else {
-      ignore(reading, child, fmt::format("<{}> in ElementData", tag));
-    }
+void read_element_data(Reading& reading, const XMLElement& element) {
+  const std::string_view tag = element.Name();
+  if (tag == "element") {
+    const int id = read_id(reading, element);
+    const auto place = find_element(reading, id);
+    if (!place) fail(reading, element, fmt::format("ElementData of element {}, which does not exist: take it out", id));
+    read_data(reading, element, {*place});
+  } else if (tag == "elset") {
+    read_data(reading, element, places_of_set(reading, element, need_attribute(reading, element, "set")));
+  } else {
+    pass_over(reading, element);
   }
 }
 
@@ -856,24 +835,23 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
 }
 
 void read_mesh(Reading& reading, const XMLElement& section) {
-  static constexpr SectionReader named_elsewhere = [](Reading&, const XMLElement&) {
-  };  // by the constraints they are for
-  read_children(reading, section,
-                {{"Nodes", read_nodes},
-                 {"Elements", read_elements},
-                 {"NodeSet", read_node_set},
-                 {"ElementSet", read_element_set},
-                 {"Surface", read_named_surface},
-                 {"Edge", read_edge},
-                 {"DiscreteSet", read_discrete_set},
-                 {"PartList", read_part_list},
-                 {"SurfacePair", read_surface_pair},
-                 {"ElementData", read_element_data},
-                 {"NodeSetSet", named_elsewhere},
-                 {"NodeSetPair", named_elsewhere},
-                 {"Part", read_part},
-                 {"Instance", read_instance}},
-                pass_over);
+  // by the constraints they are for
+  constexpr SectionReader kNamedElsewhere = [](Reading&, const XMLElement&) {};
+  constexpr TagReader kReaders[] = {{"Nodes", read_nodes},
+                                    {"Elements", read_elements},
+                                    {"NodeSet", read_node_set},
+                                    {"ElementSet", read_element_set},
+                                    {"Surface", read_named_surface},
+                                    {"Edge", read_edge},
+                                    {"DiscreteSet", read_discrete_set},
+                                    {"PartList", read_part_list},
+                                    {"SurfacePair", read_surface_pair},
+                                    {"ElementData", read_each<read_element_data>},
+                                    {"NodeSetSet", kNamedElsewhere},
+                                    {"NodeSetPair", kNamedElsewhere},
+                                    {"Part", read_part},
+                                    {"Instance", read_instance}};
+  read_children(reading, section, kReaders, pass_over);
 }
 
 void read_mesh_domains(Reading& reading, const XMLElement& section) {
@@ -914,22 +892,21 @@ bool names_modulus(const std::string& variable) {
   return variable.find("material") != std::string::npos && moduli.count(last) > 0;
 }
 
-void read_mesh_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    const std::string variable = attribute(child, child.Attribute("var") != nullptr ? "var" : "type");
-    if (std::strcmp(child.Name(), "ElementData") == 0 && variable == "shell thickness") {
-      read_thickness(reading, child);
-    } else if (std::strcmp(child.Name(), "SurfaceData") == 0 && child.Attribute("name") != nullptr) {
-      read_surface_map(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
-    } else if (std::strcmp(child.Name(), "ElementData") == 0 && names_modulus(variable)) {
-      fail(reading, child,
-           fmt::format("ElementData gives {} element by element, expected one value for a material: a layer has one "
-                       "modulus here; "
-                       "take this ElementData out, and give the modulus in the material",
-                       quote(variable)));
-    } else {
-      ignore(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
-    }
+void read_mesh_data(Reading& reading, const XMLElement& element) {
+  const std::string variable = attribute(element, element.Attribute("var") != nullptr ? "var" : "type");
+  const std::string what = fmt::format("{} {}", element.Name(), quote(variable));
+  const bool of_elements = std::strcmp(element.Name(), "ElementData") == 0;
+  if (of_elements && variable == "shell thickness") {
+    read_thickness(reading, element);
+  } else if (std::strcmp(element.Name(), "SurfaceData") == 0 && element.Attribute("name") != nullptr) {
+    read_surface_map(reading, element, what);
+  } else if (of_elements && names_modulus(variable)) {
+    fail(reading, element,
+         fmt::format("ElementData gives {} element by element, expected one value for a material: a layer has one "
+                     "modulus here; take this ElementData out, and give the modulus in the material",
+                     quote(variable)));
+  } else {
+    ignore(reading, element, what);
   }
 }
 

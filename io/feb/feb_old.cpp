@@ -1,14 +1,16 @@
-// What versions 1.2 and 2.0 share: nodes, facets and springs listed where they are used, not as named sets.
+// What versions 1.2, 2.0 and 2.5 say otherwise: nodes, facets and springs listed where they are used (1.2, 2.0), rigid
+// bodies in Constraints or Boundary; Rx is a rotation.
 #include <fmt/format.h>
 
 #include <map>
 #include <tuple>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
 
 namespace dea::feb {
 namespace {
+
+// -- 1.2 and 2.0 ---------------------------------------------------------------------------------------
 
 /// A name that no other surface has.
 std::string free_surface_name(const Reading& reading, const std::string& wish) {
@@ -21,13 +23,7 @@ std::string free_surface_name(const Reading& reading, const std::string& wish) {
 int surface_of(Reading& reading, const XMLElement& element, const std::string& wish) {
   if (element.Attribute("set") != nullptr) {
     const std::string name = attribute(element, "set");
-    const auto place = reading.surface_index.find(name);
-    if (place == reading.surface_index.end()) {
-      fail(reading, element,
-           fmt::format("set = {}, expected the name of a Surface above it{}", quote(name),
-                       those_there(name, reading.surface_index)));
-    }
-    return place->second;
+    return need_entry(reading, element, "set =", name, "Surface above it", reading.surface_index);
   }
   const std::string format = attribute(element, "format");
   if (!format.empty() && format != "face nodes" && format != "element face") {
@@ -98,6 +94,14 @@ double value_of_all(const Reading& reading, const XMLElement& element) {
   return *value;
 }
 
+/// Of a condition whose value may stand at the element, for all nodes of a set or for those listed without one.
+std::vector<NodeValues> values_of_nodes(Reading& reading, const XMLElement& element) {
+  const double all = value_of_all(reading, element);
+  if (element.FirstChildElement("node") != nullptr) return node_values(reading, element, all);
+  const int controller = read_lc(reading, element);
+  return {{need_attribute(reading, element, "bc"), controller, all, &element, nodes_of(reading, element)}};
+}
+
 /// What a <spring> says of itself, in the words of a discrete material.
 febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element) {
   febio::Component component = component_of(reading, element);
@@ -110,13 +114,11 @@ febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element
   return material;
 }
 
-}  // namespace
-
+/// One `<contact>`: rigid nodes, a connector, or two surfaces inside it.
 void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Rigid, component);
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
   if (rigid_connector(reading, component)) return;
   if (!febio::contact_kind(type))
     return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
@@ -138,6 +140,7 @@ void read_old_contact(Reading& reading, const XMLElement& element) {
   add_contact(reading, element, primary, secondary);
 }
 
+/// Springs between nodes listed inside.
 void read_old_spring(Reading& reading, const XMLElement& element) {
   const febio::DiscreteMaterial material = old_material(reading, element);
   DiscreteSet set;
@@ -164,30 +167,260 @@ void read_old_fix(Reading& reading, const XMLElement& element) {
   }
 }
 
+/// `<node id="" bc="">value</node>`; values at the element are for all nodes.
 void read_old_prescribe(Reading& reading, const XMLElement& element) {
-  const bool relative = attribute(element, "type") == "relative";
-  if (element.FirstChildElement("node") == nullptr) {
-    const Scaled value = {value_of_all(reading, element), read_lc(reading, element)};
-    febio::prescribe_nodes(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"), value,
-                           relative);
-    return;
-  }
-  for (NodeValues& group : node_values(reading, element, value_of_all(reading, element))) {
+  for (NodeValues& group : values_of_nodes(reading, element))
     febio::prescribe_nodes(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
-                           Scaled{group.value, group.controller}, relative);
-  }
+                           Scaled{group.value, group.controller}, attribute(element, "type") == "relative");
 }
 
 void read_old_nodal_force(Reading& reading, const XMLElement& element) {
-  if (element.FirstChildElement("node") == nullptr) {
-    const Scaled force = {value_of_all(reading, element), read_lc(reading, element)};
-    febio::nodal_force(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"), force);
-    return;
-  }
-  for (NodeValues& group : node_values(reading, element, value_of_all(reading, element))) {
+  for (NodeValues& group : values_of_nodes(reading, element))
     febio::nodal_force(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
                        {group.value, group.controller});
+}
+
+// -- rigid bodies ------------------------------------------------------------------------------------
+
+/// A `<rigid_body>`: what `read` makes of each child; what it fixes gathers in `body`.
+void read_body(Reading& reading, const XMLElement& section,
+               void (*read)(Reading& reading, const XMLElement& child, RigidFixed& body)) {
+  RigidFixed body;
+  body.material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
+  body.step = reading.step;
+  body.name = attribute(section, "name");
+  body.origin = origin_of(reading, section);
+  for (const XMLElement& child : children(section)) read(reading, child, body);
+  if (body.dofs != std::array<bool, kDofs>{}) febio::add_old_fix(reading, std::move(body));
+}
+
+void prescribe_body(Reading& reading, const XMLElement& element, const RigidFixed& body, int dof, bool relative) {
+  reading.model.rigid_prescribed.push_back({body.material, dof, read_scaled(reading, element), relative, reading.step,
+                                            body.name, origin_of(reading, element)});
+}
+
+/// A force or moment, the element's number.
+RigidLoad rigid_load(const Reading& reading, const XMLElement& element, const RigidFixed& body, int dof) {
+  return {body.material, dof,       read_scaled(reading, element), RigidLoad::Kind::Dead, false,
+          reading.step,  body.name, origin_of(reading, element)};
+}
+
+int rigid_dof(const Reading& reading, const XMLElement& element) {
+  return febio::need_place_of_word(reading, origin_of(reading, element), element.Name(),
+                                   need_attribute(reading, element, "bc"), {"x", "y", "z", "Rx", "Ry", "Rz"});
+}
+
+void add_body_load(Reading& reading, const XMLElement& element, const RigidFixed& body) {
+  const int dof = rigid_dof(reading, element);
+  const std::string type = attribute(element, "type");
+  RigidLoad load = rigid_load(reading, element, body, dof);
+  if (type == "ramp") load.kind = RigidLoad::Kind::Target;
+  if (type == "follow") load.kind = RigidLoad::Kind::Follower;
+  if (!one_of(type, {"", "ramp", "follow"})) {
+    unsupported(reading, element, fmt::format("{} with type {}", dof < 3 ? "rigid force" : "rigid moment", quote(type)),
+                "expected no type, ramp or follow");
+  } else if (dof >= 3 && !type.empty()) {
+    unsupported(reading, element, fmt::format("rigid moment with type {}, which FEBio 4 leaves out", quote(type)),
+                "remove the type, or save as 4.0");
+  } else {
+    reading.model.rigid_loads.push_back(std::move(load));
   }
 }
+
+/// fixed, prescribed, force and initial_velocity (2.0, 2.5).
+void read_body_child(Reading& reading, const XMLElement& child, RigidFixed& body) {
+  const std::string_view tag = child.Name();
+  if (tag == "fixed") {
+    body.dofs[at(rigid_dof(reading, child))] = true;
+  } else if (tag == "prescribed") {
+    prescribe_body(reading, child, body, rigid_dof(reading, child), attribute(child, "type") == "relative");
+  } else if (tag == "force") {
+    add_body_load(reading, child, body);
+  } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
+    ignore(reading, child, "initial velocity of a rigid body");
+  } else {
+    unsupported(reading, child, fmt::format("<{}> in rigid_body", tag),
+                "expected fixed, prescribed, force or initial_velocity");
+  }
+}
+
+void read_rigid_body(Reading& reading, const XMLElement& section) { read_body(reading, section, read_body_child); }
+
+// -- 1.2: elements by tag with a material each, trans_ and rot_ ----------------------------------------
+
+/// Elements of one shape and one material become a domain; ids are counted anew, as FEBio does.
+void read_mixed_elements(Reading& reading, const XMLElement& section) {
+  JointModel& model = reading.model;
+  std::map<std::pair<int, ElementShape>, int> domains;
+  for (std::size_t i = 0; i < model.domains.size(); ++i) {
+    domains[{model.domains[i].material, model.domains[i].shape}] = static_cast<int>(i);
+  }
+  for (const XMLElement& child : children(section)) {
+    const std::string type = child.Name();
+    const ElementShape shape = need_shape(reading, child, type);
+    const std::string mat = need_attribute(reading, child, "mat");
+    const int material = febio::material_of_id(reading, mat);
+    if (material < 0) {
+      fail(reading, child, fmt::format("<{}> with mat = {}, expected the id of a material", type, quote(mat)));
+    }
+    const auto [place, is_new] =
+        domains.try_emplace(std::make_pair(material, shape), static_cast<int>(model.domains.size()));
+    if (is_new) {
+      Domain domain;
+      domain.shape = shape;
+      domain.material = material;
+      domain.origin = origin_of(reading, child);
+      model.domains.push_back(std::move(domain));
+      reading.first_element.push_back(reading.elements.size());
+    }
+    Domain& domain = model.domains[static_cast<std::size_t>(place->second)];
+    const int number = reading.elements.size() + 1;
+    reading.elements.add(number);
+    reading.element_places.push_back({place->second, static_cast<int>(domain.element_ids.size())});
+    append_element(reading, child, type, number, domain);
+  }
+}
+
+void read_geometry(Reading& reading, const XMLElement& section) {
+  constexpr TagReader kReaders[] = {{"Nodes", read_nodes},
+                                    {"Elements", read_mixed_elements},
+                                    {"ElementData", read_each<read_element_data>},
+                                    {"NodeSet", read_node_set}};
+  read_children(reading, section, kReaders, pass_over);
+}
+
+/// trans_x, rot_z: the dof; -1: another tag.
+int dof_of(std::string_view tag) {
+  constexpr const char* kTags[kDofs] = {"trans_x", "trans_y", "trans_z", "rot_x", "rot_y", "rot_z"};
+  for (int i = 0; i < kDofs; ++i) {
+    if (tag == kTags[i]) return i;
+  }
+  return -1;
+}
+
+bool is_relative(const Reading& reading, const XMLElement& element) {
+  const std::string word = attribute(element, "relative");
+  if (!word.empty() && word != "true" && word != "false") {
+    fail(reading, element, fmt::format("relative = {}, expected true or false", quote(word)));
+  }
+  return word == "true";
+}
+
+/// trans_x and the like, with a type: fixed, prescribed, force.
+void read_body_child_12(Reading& reading, const XMLElement& child, RigidFixed& body) {
+  const int dof = dof_of(child.Name());
+  if (dof < 0)
+    return unsupported(reading, child, fmt::format("<{}> in rigid_body", child.Name()),
+                       "expected trans_x, trans_y, trans_z, rot_x, rot_y or rot_z");
+  const std::string type = need_attribute(reading, child, "type");
+  if (type == "fixed") {
+    body.dofs[at(dof)] = true;
+  } else if (type == "prescribed") {
+    prescribe_body(reading, child, body, dof, is_relative(reading, child));
+  } else if (type == "force") {
+    reading.model.rigid_loads.push_back(rigid_load(reading, child, body, dof));
+  } else {
+    fail(reading, child,
+         fmt::format("{} with type {}, expected fixed, prescribed or force", child.Name(), quote(type)));
+  }
+}
+
+void read_body_12(Reading& reading, const XMLElement& section) { read_body(reading, section, read_body_child_12); }
+
+/// Loads on facets: <quad4 scale="">; without `scale` they are 1.
+bool facets_are_zero(const XMLElement& element) {
+  for (const XMLElement& child : children(element)) {
+    const auto scale = whole_double(attribute(child, "scale"));
+    if (!scale || *scale != 0.0) return false;
+  }
+  return true;
+}
+
+void read_body_force(Reading& reading, const XMLElement& element) {
+  if (febio::is_zero_load(component_of(reading, element)))
+    ignore(reading, element, "body_force of zero");
+  else
+    unsupported(reading, element, "body_force", febio::load_advice("body_force", ""));
+}
+
+/// A load on the facets listed inside.
+void read_surface_load(Reading& reading, const XMLElement& element) {
+  const std::string tag = element.Name();
+  const bool of_fluid = tag == "fluidflux" || tag == "soluteflux" || tag == "concentration" || tag == "heatflux";
+  if (facets_are_zero(element))
+    ignore(reading, element, tag + " of zero");
+  else if (of_fluid)
+    ignore(reading, element, tag);
+  else
+    unsupported(reading, element, tag, febio::load_advice("surface_load", tag));
+}
+
+// -- 2.5 -----------------------------------------------------------------------------------------------
+
+void read_fixed_nodes(Reading& reading, const XMLElement& element) {
+  febio::fix_nodes(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"));
+}
+
+void read_prescribed_nodes(Reading& reading, const XMLElement& element) {
+  prescribe_nodes(reading, element, need_attribute(reading, element, "bc"),
+                  element.FirstChildElement("scale") != nullptr ? "scale" : "value");
+}
+
+void read_rigid_nodes_25(Reading& reading, const XMLElement& element) {
+  rigid_nodes(reading, element, need_attribute(reading, element, "rb"));
+}
+
+void refuse_rigid_body(Reading& reading, const XMLElement& element) {
+  unsupported(reading, element, "rigid_body in Constraints", "move it to Boundary");
+}
+
+void ignore_heat_source(Reading& reading, const XMLElement& element) { ignore(reading, element, "heat_source"); }
+
+// -- sections --------------------------------------------------------------------------------------------
+
+constexpr TagReader kBoundary12[] = {{"fix", read_old_fix},
+                                     {"prescribe", read_old_prescribe},
+                                     {"contact", read_old_contact},
+                                     {"spring", read_old_spring}};
+constexpr TagReader kConstraints12[] = {{"rigid_body", read_body_12}};
+constexpr TagReader kLoads12[] = {
+    {"force", read_old_nodal_force}, {"heat_source", ignore_heat_source}, {"body_force", read_body_force}};
+
+constexpr TagReader kBoundary20[] = {{"fix", read_old_fix}, {"prescribe", read_old_prescribe}};
+constexpr TagReader kContact20[] = {{"contact", read_old_contact}};
+constexpr TagReader kConstraints20[] = {{"rigid_body", read_rigid_body}};
+constexpr TagReader kLoads20[] = {{"nodal_load", read_old_nodal_force}};
+void read_discrete_20(Reading& reading, const XMLElement& section) {
+  constexpr TagReader kReaders[] = {{"spring", read_old_spring}, {"rigid_axial_force", read_axial_force}};
+  read_children(reading, section, kReaders);
+}
+
+constexpr TagReader kBoundary25[] = {{"fix", read_fixed_nodes},
+                                     {"prescribe", read_prescribed_nodes},
+                                     {"rigid", read_rigid_nodes_25},
+                                     {"rigid_body", read_rigid_body}};
+constexpr TagReader kConstraints25[] = {{"rigid_body", refuse_rigid_body}};
+
+}  // namespace
+
+const Rules kRules12{.version = "1.2",
+                     .up_to_25 = true,
+                     .unique_materials = false,
+                     .mesh = read_geometry,
+                     .boundary = {kBoundary12},
+                     .constraints = {kConstraints12, read_constraint},
+                     .loads = {kLoads12, read_surface_load}};
+
+const Rules kRules20{.version = "2.0",
+                     .up_to_25 = true,
+                     .unique_materials = false,
+                     .boundary = {kBoundary20},
+                     .contact = {kContact20},
+                     .constraints = {kConstraints20, read_constraint},
+                     .loads = {kLoads20, read_load},
+                     .discrete = read_discrete_20};
+
+const Rules kRules25{
+    .version = "2.5", .up_to_25 = true, .boundary = {kBoundary25}, .constraints = {kConstraints25, read_constraint}};
 
 }  // namespace dea::feb

@@ -70,10 +70,9 @@ void add_instance(Reading& reading, const Part& part, Instance& instance) {
   const int first_element = reading.elements.size();
   reading.file = part.file;
   reading.instance = &instance;
-  read_children(
-      reading, *part.element,
-      {{"Nodes", read_nodes}, {"Elements", read_elements}, {"NodeSet", read_node_set}, {"Surface", read_named_surface}},
-      pass_over);
+  constexpr TagReader kReaders[] = {
+      {"Nodes", read_nodes}, {"Elements", read_elements}, {"NodeSet", read_node_set}, {"Surface", read_named_surface}};
+  read_children(reading, *part.element, kReaders, pass_over);
   reading.instance = nullptr;
   reading.file = outer_file;
   constexpr int kMostCopied = 5'000'000;  // one line makes another copy of a part, however large
@@ -92,18 +91,13 @@ void read_part(Reading& reading, const XMLElement& element) {
   if (!type.empty() && type != "template" && type != "instance") {
     fail(reading, element, fmt::format("Part with type {}, expected template or instance", quote(type)));
   }
-  const Part* part = nullptr;
-  if (element.Attribute("from") != nullptr) {
-    part = find_part_in_file(reading, element, name);
-  } else {
-    const auto [place, is_new] = reading.parts.try_emplace(name, Part{&element, reading.file});
-    if (!is_new) fail(reading, element, fmt::format("part {} exists twice: rename one", quote(name)));
-    part = &place->second;
-  }
+  const Part& part = element.Attribute("from") != nullptr
+                         ? find_part_in_file(reading, element, name)
+                         : add_named(reading, element, reading.parts, name, Part{&element, reading.file}, "part");
   if (type != "instance") return;
   Instance instance;
   instance.prefix = name + ".";
-  add_instance(reading, *part, instance);
+  add_instance(reading, part, instance);
 }
 
 void read_instance(Reading& reading, const XMLElement& element) {

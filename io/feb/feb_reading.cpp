@@ -76,16 +76,13 @@ std::string tags_of(std::span<const TagReader> readers) {
 
 }  // namespace
 
-void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers,
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
                    SectionReader others) {
   for (const XMLElement& child : children(section)) {
-    if (!read_child(reading, child, readers)) others(reading, child);
-  }
-}
-
-void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers) {
-  for (const XMLElement& child : children(section)) {
-    if (!read_child(reading, child, readers))
+    if (read_child(reading, child, readers)) continue;
+    if (others != nullptr)
+      others(reading, child);
+    else
       unsupported(reading, child, fmt::format("<{}> in {}", child.Name(), section.Name()),
                   "expected " + tags_of(readers));
   }
@@ -119,9 +116,9 @@ void check_attributes(const Reading& reading, const XMLElement& element) {
   for (const tinyxml2::XMLAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string word = a->Name();
     if (std::find(taken.begin(), taken.end(), word) != taken.end() ||
-        febio::one_of(word, {"name", "id", "sol", "rb", "mat", "set", "node_set", "surface", "ref"}))
+        one_of(word, {"name", "id", "sol", "rb", "mat", "set", "node_set", "surface", "ref"}))
       continue;
-    if (word == "active" && febio::one_of(a->Value(), {"0", "false"}))
+    if (word == "active" && one_of(a->Value(), {"0", "false"}))
       fail(reading, element,
            fmt::format("<{}> with active = {}, which FEBio does not know: take it out, or what it stands in",
                        element.Name(), quote(a->Value())));
@@ -152,7 +149,13 @@ febio::Component component_of(const Reading& reading, const XMLElement& element)
   if (const char* lc = element.Attribute("lc")) component.lc = lc;
   component.origin = origin_of(reading, element);
   for (const XMLElement& child : children(element))
-    if (!febio::one_of(child.Name(), {"node", "surface"})) component.parts.push_back(component_of(reading, child));
+    if (!one_of(child.Name(), {"node", "surface"})) component.parts.push_back(component_of(reading, child));
+  return component;
+}
+
+febio::Component checked(Reading& reading, febio::Place place, const XMLElement& element) {
+  febio::Component component = component_of(reading, element);
+  febio::check_words(reading, place, component);
   return component;
 }
 

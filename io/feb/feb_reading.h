@@ -1,7 +1,6 @@
 // io/feb/feb_reading.h – what is known while a .feb file is read, and the parts every version shares.
 //
-// A version of the format is a `Rules`: what its sections mean. To add a version, add one file with its
-// rules and list it in read_feb.cpp.
+// A version of the format is a `Rules`: what its sections mean. To add a version, list its rules in read_feb.cpp.
 #pragma once
 #include <fmt/format.h>
 
@@ -21,6 +20,7 @@
 #include "io/feb/feb_xml.h"
 #include "io/febio/component.h"
 #include "io/febio/interpret.h"
+#include "io/febio/known_words.h"
 #include "src/base/names.h"
 #include "src/model/joint_model.h"
 
@@ -168,11 +168,15 @@ void unsupported_word(Reading& reading, const XMLElement& element, const std::st
                       const std::string& word);
 /// The element by the reader of its tag; false: there is none.
 bool read_child(Reading& reading, const XMLElement& element, std::span<const TagReader> readers);
-/// Each child of a section by the reader of its tag; children of no tag in the table by `others`.
-void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers,
-                   SectionReader others);
-/// The same; a child of no tag in the table is unsupported, with the tags that are expected.
-void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers);
+/// Each child of a section by the reader of its tag; children of no tag in the table by `others`, or as unsupported,
+/// with the tags that are expected.
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
+                   SectionReader others = nullptr);
+/// Each child of a section by one reader.
+template <SectionReader Read>
+void read_each(Reading& reading, const XMLElement& section) {
+  read_children(reading, section, {}, Read);
+}
 /// A child that does not change the joint: ignored.
 void pass_over(Reading& reading, const XMLElement& child);
 /// " (did you mean "hip"?); the model has "hip", "knee"" for a name that is not among the keys of `index`.
@@ -185,18 +189,31 @@ std::string those_there(const std::string& name, const Index& index) {
 
 /// The attribute, or a fault naming it.
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name);
-/// The entry of `index` that the element's attribute names, or a fault; `kind`: what is meant, "Surface".
+/// The entry of `index` with this name, or a fault. `what`: what names it, "surface ="; `kind`: what is meant,
+/// "Surface".
+template <class Index>
+auto need_entry(const Reading& reading, const XMLElement& element, const std::string& what, const std::string& name,
+                const char* kind, const Index& index) {
+  const auto entry = index.find(name);
+  if (entry == index.end())
+    fail(reading, element,
+         fmt::format("{} {}, expected the name of a {}{}", what, quote(name), kind, those_there(name, index)));
+  return entry->second;
+}
+/// The same of what an attribute names, which must be there.
 template <class Index>
 auto need_named(const Reading& reading, const XMLElement& element, const char* attribute_name, const char* kind,
                 const Index& index) {
-  const std::string name = need_attribute(reading, element, attribute_name);
-  const auto entry = index.find(name);
-  if (entry == index.end()) {
-    fail(reading, element,
-         fmt::format("{} = {}, expected the name of a {}{}", attribute_name, quote(name), kind,
-                     those_there(name, index)));
-  }
-  return entry->second;
+  return need_entry(reading, element, fmt::format("{} =", attribute_name),
+                    need_attribute(reading, element, attribute_name), kind, index);
+}
+/// Adds an entry, whose name must be new; `what`: what it is, "surface". The entry.
+template <class Index>
+auto& add_named(const Reading& reading, const XMLElement& element, Index& index, const std::string& name,
+                typename Index::mapped_type value, const char* what) {
+  const auto [place, is_new] = index.emplace(name, std::move(value));
+  if (!is_new) fail(reading, element, fmt::format("{} {} exists twice: rename one", what, quote(name)));
+  return place->second;
 }
 
 // -- values ----------------------------------------------------------------------------------------
@@ -213,6 +230,8 @@ Scaled read_scaled(const Reading& reading, const XMLElement& element);
 /// An element with its children, as it stands; without lists of nodes and facets (`node`, `surface`), which may be long
 /// and are read by themselves.
 febio::Component component_of(const Reading& reading, const XMLElement& element);
+/// The same, its parameters compared with FEBio's.
+febio::Component checked(Reading& reading, febio::Place place, const XMLElement& element);
 /// The steps of what is read now.
 febio::Steps steps_of(const Reading& reading);
 /// The text of a child; "": there is none.
@@ -251,38 +270,44 @@ void read_node_set(Reading& reading, const XMLElement& section);
 int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces = false);
 /// A surface under its own name, within an instance with the instance's prefix.
 void read_named_surface(Reading& reading, const XMLElement& section);
-std::optional<ElementShape> shape_of(const std::string& type);
+/// The shape of a type of element, or a fault.
+ElementShape need_shape(const Reading& reading, const XMLElement& element, const std::string& type);
 /// Appends an element's nodes; `what` makes its name for a message.
 void append_element(const Reading& reading, const XMLElement& element, const std::string& type, int id, Domain& domain);
-/// Shell thickness of single elements, in Geometry.
-void read_element_data(Reading& reading, const XMLElement& section);
+/// A positive whole number.
+int read_id(const Reading& reading, const XMLElement& element, const char* name = "id");
+/// Shell thickness of one element or set of elements, in Geometry.
+void read_element_data(Reading& reading, const XMLElement& element);
 // feb_parts.cpp: parts of a mesh and their instances.
 void read_part(Reading& reading, const XMLElement& element);
 void read_instance(Reading& reading, const XMLElement& element);
 /// The part of this name in the file that the element's `from` names.
-const Part* find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name);
+const Part& find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name);
 void read_mesh_domains(Reading& reading, const XMLElement& section);
-void read_mesh_data(Reading& reading, const XMLElement& section);
+void read_mesh_data(Reading& reading, const XMLElement& element);
 /// Thickness maps of contacts of type dea; the other maps are ignored. When every section has been read.
 void resolve_surface_maps(Reading& reading);
 void read_materials(Reading& reading, const XMLElement& section);
-void read_contact(Reading& reading, const XMLElement& section);
 void read_discrete(Reading& reading, const XMLElement& section);
+void read_contact(Reading& reading, const XMLElement& element);  ///< one of the section's, as those below
+void read_rigid(Reading& reading, const XMLElement& element);    ///< 3.0 and later
+void read_load(Reading& reading, const XMLElement& element);
+void read_initial(Reading& reading, const XMLElement& element);
+void read_constraint(Reading& reading, const XMLElement& element);
+void read_load_data(Reading& reading, const XMLElement& element);
+void read_control(Reading& reading, const XMLElement& section);
 /// Springs of this material between the pairs of a discrete set.
 void add_springs(Reading& reading, const XMLElement& element, const febio::DiscreteMaterial& material, int set);
 /// When every section has been read: springs whose force is a load curve.
 void resolve_functions(Reading& reading);
-void read_rigid(Reading& reading, const XMLElement& section);  // 3.0 and later
-void read_loads(Reading& reading, const XMLElement& section);
-void read_load(Reading& reading, const XMLElement& element);  ///< one of them
-void read_initial(Reading& reading, const XMLElement& section);
-void read_constraints(Reading& reading, const XMLElement& section);
-void read_constraint(Reading& reading, const XMLElement& element);  ///< one of them
-void read_control(Reading& reading, const XMLElement& section);
-void read_load_data(Reading& reading, const XMLElement& section);
 
 // -- the versions ------------------------------------------------------------------------------------
 
+/// The readers of a section's children, as in read_children.
+struct SectionRules {
+  std::span<const TagReader> readers = {};
+  SectionReader others = nullptr;
+};
 /// What differs between the versions. What a version does not say is as in the latest.
 struct Rules {
   const char* version;
@@ -291,10 +316,10 @@ struct Rules {
   bool up_to_25 = false;
   bool unique_materials = true;    ///< no two materials of one name
   SectionReader mesh = read_mesh;  ///< Geometry or Mesh
-  SectionReader boundary;
-  SectionReader contact = read_contact;
-  SectionReader constraints = read_constraints;
-  SectionReader loads = read_loads;
+  SectionRules boundary;
+  SectionRules contact = {.others = read_contact};
+  SectionRules constraints = {.others = read_constraint};
+  SectionRules loads = {.others = read_load};
   SectionReader discrete = read_discrete;
 };
 extern const Rules kRules12;
@@ -312,30 +337,11 @@ febio::OnNodes on_nodes(const Reading& reading, const XMLElement& element, std::
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value);
 /// Nodes of the element's `node_set` move with a body.
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
-/// A force or moment of a body, the element's number (1.2, 2.0, 2.5).
-RigidLoad rigid_load(const Reading& reading, const XMLElement& element, int material, int dof, const std::string& name);
-/// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).
-void read_rigid_body(Reading& reading, const XMLElement& section);
 /// Any rigid connector of any version; false: not one.
 bool rigid_connector(Reading& reading, const febio::Component& component);
-/// A constraint without a type: the one of this name acts in this step too; one given outside steps only where steps
-/// name it, as in FEBio.
-void name_connector_again(Reading& reading, const XMLElement& element);
 void read_axial_force(Reading& reading, const XMLElement& element);
-/// A load on nodes of 2.5 and later; false: none.
-bool nodal_load(Reading& reading, const XMLElement& element, febio::Component component);
 /// A contact of known kind between two surfaces.
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary);
-// -- shared by 1.2 and 2.0 (feb_old.cpp) -------------------------------------------------------------
-
-/// One `<contact>`: rigid nodes, a connector, or two surfaces inside it.
-void read_old_contact(Reading& reading, const XMLElement& element);
-/// Springs between nodes listed inside.
-void read_old_spring(Reading& reading, const XMLElement& element);
-/// `<node id="" bc="">value</node>` of forces and prescribed displacements; values at the element are for all nodes.
-void read_old_prescribe(Reading& reading, const XMLElement& element);
-void read_old_nodal_force(Reading& reading, const XMLElement& element);
-void read_old_fix(Reading& reading, const XMLElement& element);
 
 /// Load controllers by id, steps and must points: when every section has been read.
 void complete_model(Reading& reading);

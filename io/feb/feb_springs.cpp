@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/model/load_curve.h"
 
@@ -13,14 +12,12 @@ namespace {
 
 void read_discrete_material(Reading& reading, const XMLElement& element) {
   need_attribute(reading, element, "type");
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Spring, component);
+  const febio::Component component = checked(reading, febio::Place::Spring, element);
   reading.discrete_materials.push_back(febio::discrete_material(reading, component));
 }
 
 void read_cable(Reading& reading, const XMLElement& element) {
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Rigid, component);
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
   febio::rigid_cable(reading, component, steps_of(reading));
 }
 
@@ -46,8 +43,7 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_axial_force(Reading& reading, const XMLElement& element) {
-  const febio::Component component = component_of(reading, element);
-  febio::check_words(reading, febio::Place::Rigid, component);
+  const febio::Component component = checked(reading, febio::Place::Rigid, element);
   febio::rigid_axial_force(reading, component, steps_of(reading));
 }
 
@@ -87,11 +83,11 @@ void resolve_functions(Reading& reading) {
 }
 
 void read_discrete(Reading& reading, const XMLElement& section) {
-  read_children(reading, section,
-                {{"discrete_material", read_discrete_material},
-                 {"discrete", read_discrete_springs},
-                 {"rigid_axial_force", read_axial_force},
-                 {"rigid_cable", read_cable}});
+  constexpr TagReader kReaders[] = {{"discrete_material", read_discrete_material},
+                                    {"discrete", read_discrete_springs},
+                                    {"rigid_axial_force", read_axial_force},
+                                    {"rigid_cable", read_cable}};
+  read_children(reading, section, kReaders);
 }
 
 }  // namespace dea::feb

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "io/feb/feb_reading.h"
-#include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/model/load_curve.h"
@@ -69,84 +68,6 @@ void read_curve(const Reading& reading, const XMLElement& element, bool old, Loa
   febio::check_times(curve);
 }
 
-// What Control may hold. dea takes the first ones; the others steer FEBio's solvers and its output, in 4.0 within
-// <solver>.
-const std::vector<std::string> kControlTaken = {"time_steps", "step_size", "final_time", "analysis", "time_stepper"};
-const std::vector<std::string> kControlSteers = {"adaptor_re_solve",
-                                                 "alpha",
-                                                 "arc_length",
-                                                 "arc_length_scale",
-                                                 "beta",
-                                                 "check_zero_diagonal",
-                                                 "cmax",
-                                                 "ctol",
-                                                 "cycle_buffer",
-                                                 "diverge_reform",
-                                                 "do_reforms",
-                                                 "dtol",
-                                                 "dyn_damping",
-                                                 "equation_order",
-                                                 "equation_scheme",
-                                                 "etol",
-                                                 "force_partition",
-                                                 "force_positive_concentrations",
-                                                 "ftol",
-                                                 "gamma",
-                                                 "integration",
-                                                 "line_search",
-                                                 "linear_solver",
-                                                 "logSolve",
-                                                 "ls_check_jacobians",
-                                                 "lsiter",
-                                                 "lsmin",
-                                                 "lstol",
-                                                 "mass_lumping",
-                                                 "max_refs",
-                                                 "max_residual",
-                                                 "max_ups",
-                                                 "min_residual",
-                                                 "mixed_formulation",
-                                                 "optimize_bw",
-                                                 "order",
-                                                 "output_level",
-                                                 "output_stride",
-                                                 "plot_level",
-                                                 "plot_range",
-                                                 "plot_stride",
-                                                 "plot_zero_state",
-                                                 "predictor",
-                                                 "pressure_stiffness",
-                                                 "print_level",
-                                                 "ptol",
-                                                 "qn_method",
-                                                 "qnmethod",
-                                                 "reform_augment",
-                                                 "reform_each_time_step",
-                                                 "restart",
-                                                 "rhoi",
-                                                 "rtol",
-                                                 "shell_formulation",
-                                                 "shell_normal_nodal",
-                                                 "solver",
-                                                 "symmetric_biphasic",
-                                                 "symmetric_stiffness",
-                                                 "title",
-                                                 "use_three_field_hex",
-                                                 "use_three_field_quad",
-                                                 "use_three_field_shell",
-                                                 "use_three_field_tet",
-                                                 "use_three_field_tri",
-                                                 "vtol",
-                                                 "zero_diagonal_tol"};
-
-/// Refused where one of the words that dea takes may be meant: its default would stand in for it unseen. Others are
-/// told.
-void check_control_word(Reading& reading, const XMLElement& child) {
-  const std::string word = child.Name();
-  if (std::find(kControlSteers.begin(), kControlSteers.end(), word) != kControlSteers.end()) return;
-  febio::unknown_word(reading, origin_of(reading, child), word, {"Control", "Control"}, kControlTaken, kControlSteers);
-}
-
 void read_control(Reading& reading, const XMLElement& section) {
   Control& control = reading.control();
   control.origin = origin_of(reading, section);
@@ -172,44 +93,36 @@ void read_control(Reading& reading, const XMLElement& section) {
       control.dtmax_controller = read_lc(reading, *dtmax);
       control.dtmax_origin = origin_of(reading, *dtmax);
     } else {
-      check_control_word(reading, child);
+      febio::check_control_word(reading, origin_of(reading, child), tag);
     }
   }
 }
 
-void read_load_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement& child : children(section)) {
-    const std::string_view tag = child.Name();
-    if (tag != "loadcurve" && tag != "load_controller") {
-      ignore(reading, child, fmt::format("<{}> in LoadData", tag));
-      continue;
-    }
-    LoadController curve;
-    const auto id = whole_int(need_attribute(reading, child, "id"));
-    if (!id || *id < 1)
-      fail(reading, child,
-           fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(child, "id"))));
-    curve.id = *id;
-    curve.name = attribute(child, "name");
-    curve.origin = origin_of(reading, child);
-    const std::string type = attribute(child, "type");
-    check_attributes(reading, child);
-    if (tag == "load_controller") febio::check_words(reading, febio::Place::Controller, component_of(reading, child));
-    if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
-      read_curve(reading, child, tag == "loadcurve", curve);
-    } else if (type == "math") {
-      read_expression(reading, child, curve);
-    } else {
-      curve.unsupported = fmt::format("type {}{}", quote(type), did_you_mean(type, {"loadcurve", "math"}));
-    }
-    for (const LoadController& other : reading.model.controllers) {
-      if (other.id == curve.id)
-        fail(reading, child, fmt::format("load controller {} exists twice: renumber one", curve.id));
-    }
-    if (curve.unsupported.empty() && curve.expression.empty() && curve.points.empty())
-      febio::assume(reading, curve.origin, fmt::format("load controller {}", curve.id), "points", "0 at all times");
-    reading.model.controllers.push_back(std::move(curve));
+void read_load_data(Reading& reading, const XMLElement& element) {
+  const std::string_view tag = element.Name();
+  if (tag != "loadcurve" && tag != "load_controller") return pass_over(reading, element);
+  LoadController curve;
+  need_attribute(reading, element, "id");
+  curve.id = read_id(reading, element);
+  curve.name = attribute(element, "name");
+  curve.origin = origin_of(reading, element);
+  const std::string type = attribute(element, "type");
+  check_attributes(reading, element);
+  if (tag == "load_controller") checked(reading, febio::Place::Controller, element);
+  if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
+    read_curve(reading, element, tag == "loadcurve", curve);
+  } else if (type == "math") {
+    read_expression(reading, element, curve);
+  } else {
+    curve.unsupported = fmt::format("type {}{}", quote(type), did_you_mean(type, {"loadcurve", "math"}));
   }
+  for (const LoadController& other : reading.model.controllers) {
+    if (other.id == curve.id)
+      fail(reading, element, fmt::format("load controller {} exists twice: renumber one", curve.id));
+  }
+  if (curve.unsupported.empty() && curve.expression.empty() && curve.points.empty())
+    febio::assume(reading, curve.origin, fmt::format("load controller {}", curve.id), "points", "0 at all times");
+  reading.model.controllers.push_back(std::move(curve));
 }
 
 void complete_model(Reading& reading) {

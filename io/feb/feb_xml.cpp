@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "io/files/free_memory.h"
+#include "io/files/output.h"
 #include "src/base/error.h"
 
 namespace dea::feb {
@@ -15,31 +15,16 @@ namespace {
 
 constexpr double kMemoryPerByte = 8;  // of a file: its text, its elements and what is read from them
 
-bool is_project_file(const std::string& path) {
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
-  return extension == ".fsm" || extension == ".fs2" || extension == ".fsp" || extension == ".fsprj";
-}
+bool is_project_file(const std::string& path) { return one_of(extension_of(path), {".fsm", ".fs2", ".fsp", ".fsprj"}); }
 
-std::string read_start(const std::string& path) {
-  std::string start(64, '\0');
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) return "";
-  start.resize(std::fread(start.data(), 1, start.size(), file));
-  std::fclose(file);
-  return start;
-}
-
-/// The end of the file, to tell a file that was cut off from one that is damaged.
-std::string read_end(const std::string& path) {
-  std::string end(256, '\0');
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) return "";
-  std::fseek(file, 0, SEEK_END);
-  const long size = std::ftell(file);
-  std::fseek(file, std::max(0L, size - static_cast<long>(end.size())), SEEK_SET);
-  end.resize(std::fread(end.data(), 1, end.size(), file));
-  std::fclose(file);
-  return end;
+/// Up to `most` bytes of the file from `begin` on; "": it cannot be read.
+std::string read_piece(const std::string& path, std::uintmax_t begin, std::size_t most) {
+  std::ifstream in(path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(begin));
+  std::string piece(most, '\0');
+  in.read(piece.data(), static_cast<std::streamsize>(most));
+  piece.resize(static_cast<std::size_t>(in.gcount()));
+  return piece;
 }
 
 }  // namespace
@@ -57,7 +42,7 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   if (error) throw InputError(name + ": cannot be read: check its permissions");
   if (size == 0) throw InputError(name + ": the file is empty, expected a FEBio model: save it again");
   need_memory(name, kMemoryPerByte * static_cast<double>(size));
-  std::string start = read_start(path);
+  std::string start = read_piece(path, 0, 64);
   if (start.empty()) throw InputError(name + ": cannot be read: check its permissions");
   if (start.rfind("\xFF\xFE", 0) == 0 || start.rfind("\xFE\xFF", 0) == 0) {
     throw InputError(name, 1, "this is text in UTF-16, expected UTF-8: save it with that encoding");
@@ -85,7 +70,8 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   if (outcome == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
     throw InputError(name, line, "XML nested too deeply: this is no FEBio model");
   }
-  if (read_end(path).find("</febio_spec>") == std::string::npos) {
+  constexpr std::uintmax_t kEnd = 256;  // bytes that tell a file that was cut off from one that is damaged
+  if (read_piece(path, size - std::min(size, kEnd), kEnd).find("</febio_spec>") == std::string::npos) {
     throw InputError(name, line, "the file ends without </febio_spec>: it is cut off; save or copy it again");
   }
   throw InputError(name, line,

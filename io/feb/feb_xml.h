@@ -20,8 +20,8 @@ using tinyxml2::XMLElement;
 /// how messages call it.
 std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string& name);
 
-using febio::lower;
 using febio::Number;
+using febio::one_of;
 using febio::quote;
 using febio::same_word;
 using febio::split_words;

@@ -114,7 +114,7 @@ void read_from(Reading& reading, const XMLElement& element) {
 
 }  // namespace
 
-const Part* find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name) {
+const Part& find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name) {
   const std::string from = attribute(element, "from");
   const std::string path = first_file({fs::path(from), folder_of_current(reading) / from});
   const Part* part = nullptr;
@@ -127,11 +127,9 @@ const Part* find_part_in_file(Reading& reading, const XMLElement& element, const
                        fmt::format("no Part {} in its Geometry, which {} takes from this file", quote(name),
                                    quote(reading.model.files[0])));
     }
-    const auto [place, is_new] = reading.parts.try_emplace(name, Part{child, reading.file});
-    if (!is_new) fail(reading, *child, fmt::format("part {} exists twice: rename one", quote(name)));
-    part = &place->second;
+    part = &add_named(reading, *child, reading.parts, name, Part{child, reading.file}, "part");
   });
-  return part;
+  return *part;
 }
 
 namespace {
@@ -182,15 +180,18 @@ void pass_over_section(Reading& reading, const XMLElement& section) {
 }
 
 void read_rigid_section(Reading& reading, const XMLElement& section) {
-  if (!reading.rules->up_to_25) return read_rigid(reading, section);
+  if (!reading.rules->up_to_25) return read_each<read_rigid>(reading, section);
   unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
 }
 
 /// A section whose meaning depends on the version.
-template <SectionReader Rules::*Section>
+template <SectionRules Rules::*Section>
 void by_version(Reading& reading, const XMLElement& section) {
-  (reading.rules->*Section)(reading, section);
+  const SectionRules& rules = reading.rules->*Section;
+  read_children(reading, section, rules.readers, rules.others);
 }
+
+void read_mesh_section(Reading& reading, const XMLElement& section) { reading.rules->mesh(reading, section); }
 
 /// What the section Discrete adds is no part of a step: it acts in all.
 void read_discrete_section(Reading& reading, const XMLElement& section) {
@@ -205,18 +206,18 @@ constexpr SectionReader kInSilence = [](Reading&, const XMLElement&) {};
 constexpr TagReader kSections[] = {{"Module", read_module},
                                    {"Control", read_control},
                                    {"Material", read_materials},
-                                   {"Geometry", by_version<&Rules::mesh>},
-                                   {"Mesh", by_version<&Rules::mesh>},
+                                   {"Geometry", read_mesh_section},
+                                   {"Mesh", read_mesh_section},
                                    {"MeshDomains", read_mesh_domains},
-                                   {"MeshData", read_mesh_data},
+                                   {"MeshData", read_each<read_mesh_data>},
                                    {"Boundary", by_version<&Rules::boundary>},
                                    {"Rigid", read_rigid_section},
                                    {"Loads", by_version<&Rules::loads>},
                                    {"Contact", by_version<&Rules::contact>},
                                    {"Constraints", by_version<&Rules::constraints>},
                                    {"Discrete", read_discrete_section},
-                                   {"Initial", read_initial},
-                                   {"LoadData", read_load_data},
+                                   {"Initial", read_each<read_initial>},
+                                   {"LoadData", read_each<read_load_data>},
                                    {"Include", read_include},
                                    {"Step", read_steps},
                                    {"Globals", kInSilence},

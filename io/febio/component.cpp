@@ -82,16 +82,12 @@ int to_controller(const Draft& draft, Origin origin, std::string_view name, std:
   return *id;
 }
 
-int place_of_word(std::string_view text, std::span<const char* const> words) {
+int place_of_word(std::string_view text, std::initializer_list<const char*> words) {
   const std::string_view word = trim(text);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    if (same_word(word, words[i])) return static_cast<int>(i);
+  const auto same = std::find_if(words.begin(), words.end(), [&](const char* one) { return same_word(word, one); });
+  if (same != words.end()) return static_cast<int>(same - words.begin());
   const auto position = whole_int(word);
   return position && *position >= 0 && *position < static_cast<int>(words.size()) ? *position : -1;
-}
-
-int place_of_word(std::string_view word, std::initializer_list<const char*> words) {
-  return place_of_word(word, std::span(words.begin(), words.size()));
 }
 
 int need_place_of_word(const Draft& draft, Origin origin, std::string_view tag, std::string_view word,
@@ -102,6 +98,14 @@ int need_place_of_word(const Draft& draft, Origin origin, std::string_view tag, 
   fail(draft, origin,
        fmt::format("<{}> with dof {}{}, expected one of {}", tag, quote(word), did_you_mean(word, names, kDofAliases),
                    fmt::join(names, ", ")));
+}
+
+int material_of_id(const Draft& draft, std::string_view text) {
+  const auto id = whole_int(text);
+  const std::vector<Material>& materials = draft.model.materials;
+  const auto place =
+      std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return id && m.id == *id; });
+  return place == materials.end() ? -1 : static_cast<int>(place - materials.begin());
 }
 
 int find_material(const Draft& draft, Origin origin, std::string_view name) {
@@ -115,11 +119,7 @@ int find_material(const Draft& draft, Origin origin, std::string_view name) {
 
 int need_rigid(const Draft& draft, Origin origin, std::string_view id_or_name) {
   const std::vector<Material>& materials = draft.model.materials;
-  int index = -1;
-  if (const auto id = whole_int(id_or_name)) {
-    for (std::size_t i = 0; i < materials.size(); ++i)
-      if (materials[i].id == *id) index = static_cast<int>(i);
-  }
+  int index = material_of_id(draft, id_or_name);
   if (index < 0) index = find_material(draft, origin, id_or_name);
   if (index < 0) index = find_material(draft, origin, trim(id_or_name));
   const auto bodies = [&] {
@@ -192,7 +192,7 @@ int body_of(const Draft& draft, const Component& component, std::string_view tag
 
 // -- load controllers --------------------------------------------------------------------------------
 
-std::string no_such_word(const char* what, std::string_view word, std::span<const char* const> words) {
+std::string no_such_word(const char* what, std::string_view word, std::initializer_list<const char*> words) {
   return fmt::format("{} {}{}", what, quote(trim(word)), did_you_mean(trim(word), {words.begin(), words.end()}));
 }
 

@@ -4,7 +4,6 @@
 #include <initializer_list>
 #include <optional>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,13 +60,14 @@ Vector3d to_vector(const Draft& draft, Origin origin, std::string_view name, std
 /// The id of a load controller.
 int to_controller(const Draft& draft, Origin origin, std::string_view name, std::string_view lc);
 /// The position of a word in `words`; FEBio also takes the position itself. -1: none of them.
-int place_of_word(std::string_view word, std::span<const char* const> words);
 int place_of_word(std::string_view word, std::initializer_list<const char*> words);
 /// The same, or a fault that lists them: "<rigid_load> with dof "Q", expected one of x, y, z". `tag`: the element's.
 int need_place_of_word(const Draft& draft, Origin origin, std::string_view tag, std::string_view word,
                        std::initializer_list<const char*> words);
 /// Index of the rigid material with this id or name. A text that is a number is an id first.
 int need_rigid(const Draft& draft, Origin origin, std::string_view id_or_name);
+/// Index of the material with this id, -1: none, or the text is no number.
+int material_of_id(const Draft& draft, std::string_view id);
 /// Index of the material of this name, -1: none; a fault if several have it.
 int find_material(const Draft& draft, Origin origin, std::string_view name);
 

@@ -8,14 +8,11 @@
 
 #include "io/febio/interpret.h"
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/model/load_curve.h"
 
 namespace dea::febio {
-
-bool one_of(std::string_view word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
-}
 
 // -- nodes -------------------------------------------------------------------------------------------
 
@@ -227,7 +224,7 @@ void rigid_prescribed(Draft& draft, const Component& component, int dof, const C
 
 /// In 4.0 the dofs of a displacement are x, y, z; a letter R before them is taken too.
 void rigid_displacement(Draft& draft, const Component& component, const Steps& steps) {
-  const std::string dof = lower(trim(text_of(component, "dof")));
+  const std::string dof = lower_case(std::string(trim(text_of(component, "dof"))));
   const bool r = !dof.empty() && dof[0] == 'r';
   assume_unless_given(draft, component, "value", "0");
   rigid_prescribed(draft, component, dof_of(draft, component, r ? kForces : kDisplacements), find(component, "value"),

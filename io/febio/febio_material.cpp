@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
@@ -17,6 +16,7 @@ namespace dea {
 
 namespace {
 
+using febio::one_of;
 using febio::quote;
 
 /// What is the same for a material and all that is nested in it.
@@ -29,18 +29,16 @@ struct Reading {
 
 /// A part of the material that has no place in E and nu. `instead`: what is taken.
 void leave_out(const Reading& reading, const MaterialTree& part, const std::string& what, const char* instead) {
-  Remark remark;
-  remark.what = fmt::format("material {}: {}; {}", quote(reading.name), what, instead);
-  remark.origin = part.origin;
-  reading.left_out.push_back(std::move(remark));
+  reading.left_out.push_back(
+      {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {
-  std::string type;  ///< nested types after a slash
+  std::string type = {};  ///< nested types after a slash
   double E = kNaN, nu = kNaN;
   double G = kNaN, lambda = kNaN;
-  std::string note;
+  std::string note = {};
   /// An uncoupled material: its bulk stiffness is a number of its own, K = k.
   bool uncoupled = false;
   double k = 0.0;
@@ -52,12 +50,7 @@ void add_note(std::string& note, const std::string& more) {
   note += more;
 }
 
-Stiffness unknown(const std::string& type, const std::string& why) {
-  Stiffness result;
-  result.type = type;
-  result.note = why;
-  return result;
-}
+Stiffness unknown(const std::string& type, const std::string& why) { return {.type = type, .note = why}; }
 
 void set_from_E_nu(Stiffness& s, double E, double nu) {
   s.E = E;
@@ -80,10 +73,6 @@ double sum_of_c(const MaterialTree& material, std::string& why) {
   double sum = 0.0;
   for (const char* name : {"c1", "c2", "c3", "c4", "c5", "c6"}) sum += constant_of(material, name, 0.0, why);
   return sum;
-}
-
-bool one_of(const std::string& type, std::initializer_list<const char*> names) {
-  return std::any_of(names.begin(), names.end(), [&](const char* name) { return type == name; });
 }
 
 Stiffness stiffness_of(const Reading& reading, const MaterialTree& material);

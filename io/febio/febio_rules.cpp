@@ -7,6 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parse.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
 #include "src/geometry/surface_mesh.h"
@@ -16,133 +17,53 @@ namespace dea::febio {
 
 namespace {
 
-template <class Words>
-bool one_of(std::string_view word, const Words& words) {
-  return std::any_of(words.begin(), words.end(), [&](const auto& candidate) { return word == candidate; });
-}
-
-using Names = std::vector<std::string>;
-
-/// Types of contact that DEA takes. The first kToldContacts are worth a mention where a type is refused, in this order.
-struct ContactType {
-  const char* word;
-  Contact::Kind kind;
-};
-constexpr ContactType kContactTypes[] = {
-    {"sliding-elastic", Contact::Kind::Sliding},
-    {"sliding-facet-on-facet", Contact::Kind::Sliding},
-    {"sliding-node-on-facet", Contact::Kind::Sliding},
-    {"sliding-biphasic", Contact::Kind::Sliding},
-    {"tied-elastic", Contact::Kind::Tied},
-    {"tied-node-on-facet", Contact::Kind::Tied},
-    {"tied-facet-on-facet", Contact::Kind::Tied},
-    {"sticky", Contact::Kind::Tied},
-    {"sliding-biphasic-mixed", Contact::Kind::Sliding},
-    {"sliding-biphasic-solute", Contact::Kind::Sliding},
-    {"sliding-multiphasic", Contact::Kind::Sliding},
-    {"sliding2", Contact::Kind::Sliding},
-    {"sliding3", Contact::Kind::Sliding},
-    {"mortar-sliding", Contact::Kind::Sliding},
-    {"sliding-tension-compression", Contact::Kind::Sliding},
-    {"facet-to-facet sliding", Contact::Kind::Sliding},
-    {"sliding_with_gaps", Contact::Kind::Sliding},
-    {"sliding", Contact::Kind::Sliding},
-    {"dea", Contact::Kind::Sliding},
-    {"tied-biphasic", Contact::Kind::Tied},
-    {"tied-multiphasic", Contact::Kind::Tied},
-    {"tied", Contact::Kind::Tied},
-    {"facet-to-facet tied", Contact::Kind::Tied},
-    {"mortar-tied", Contact::Kind::Tied},
-};
-constexpr int kToldContacts = 8;
-
-/// Type words in one place of the file.
+/// Type words in one place of the file: lists with commas.
 struct Words {
-  Names read;   ///< that DEA takes
-  int current;  ///< so many of them, from the first on, are worth a mention
-  Names febio;  ///< further ones of FEBio
+  const char* told;   ///< that DEA takes and that are worth a mention, in this order
+  const char* read;   ///< further ones that DEA takes
+  const char* febio;  ///< further ones of FEBio
   const char* otherwise;
 };
 
-const Words& words_of(WordOf place) {
-  static const Words contact = [] {
-    Words w{{}, kToldContacts, {}, "choose one of them where two bones meet, or take this one out"};
-    for (const ContactType& type : kContactTypes) w.read.push_back(type.word);
-    w.febio = {"periodic boundary",
-               "rigid_wall",
-               "surface constraint",
-               "contact potential",
-               "discrete contact",
-               "discrete contact2",
-               "edge-to-surface contact potential",
-               "edge-to-surface sliding contact",
-               "tied-line",
-               "rigid sliding"};
-    return w;
-  }();
-  static const Words connector{
-      {"rigid spherical joint", "rigid revolute joint", "rigid prismatic joint", "rigid cylindrical joint",
-       "rigid planar joint", "rigid lock", "generic rigid joint", "rigid spring", "rigid contractile force",
-       "rigid damper", "rigid angular damper", "rigid joint"},
-      11,
-      {},
-      "choose one of them, or take this one out"};
-  static const Words condition{{"rigid_fixed",
-                                "rigid_displacement",
-                                "rigid_rotation",
-                                "rigid_rotation_vector",
-                                "rigid_euler_angles",
-                                "rigid_force",
-                                "rigid_moment",
-                                "rigid_follower_force",
-                                "rigid_follower_moment",
-                                "rigid_axial_force",
-                                "rigid_cable",
-                                "nodal_load",
-                                "nodal_force",
-                                "initial_rigid_velocity",
-                                "initial_rigid_angular_velocity",
-                                "fix",
-                                "prescribe",
-                                "force",
-                                "follower force",
-                                "follower moment"},
-                               12,
-                               {},
-                               "choose one of them, or take this one out"};
-  static const Words discrete{{"linear spring", "tension-only linear spring", "nonlinear spring", "experimental spring",
-                               "linear", "tension-only linear", "nonlinear"},
-                              4,
-                              {"torsion spring", "Hill", "discrete composite"},
-                              "choose one of them for a ligament, or take the spring out"};
-  static const Words module{{"solid", "biphasic", "solute", "multiphasic", "explicit-solid", "CG-solid"},
-                            4,
-                            {"fluid", "fluid-FSI", "fluid-solutes", "heat", "reaction-diffusion", "polar fluid",
-                             "thermo-fluid", "multiphasic-FSI", "biphasic-FSI", "rigid"},
-                            "all as the solid alone, without flow: make it one of them, or it is no model for DEA"};
-  static const Words boundary{
-      {"zero displacement", "prescribed displacement", "rigid", "zero shell displacement", "zero rotation",
-       "zero fluid pressure", "prescribed fluid pressure", "zero concentration", "prescribed concentration", "fix",
-       "prescribe"},
-      3,
-      {"prescribed deformation", "rigid deformation", "linear constraint", "normal displacement", "prescribed rotation",
-       "prescribed shell displacement"},
-      "fix the nodes, or fasten them to a rigid body and move that (rigid_displacement, rigid_rotation)"};
-  switch (place) {
-    case WordOf::Contact:
-      return contact;
-    case WordOf::Connector:
-      return connector;
-    case WordOf::RigidCondition:
-      return condition;
-    case WordOf::DiscreteMaterial:
-      return discrete;
-    case WordOf::Module:
-      return module;
-    case WordOf::Boundary:
-      break;
-  }
-  return boundary;
+/// In the order of WordOf.
+constexpr Words kWords[] = {
+    {"sliding-elastic,sliding-facet-on-facet,sliding-node-on-facet,sliding-biphasic,tied-elastic,tied-node-on-facet,"
+     "tied-facet-on-facet,sticky",
+     "sliding-biphasic-mixed,sliding-biphasic-solute,sliding-multiphasic,sliding2,sliding3,mortar-sliding,"
+     "sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,dea,tied-biphasic,tied-multiphasic,"
+     "tied,facet-to-facet tied,mortar-tied",
+     "periodic boundary,rigid_wall,surface constraint,contact potential,discrete contact,discrete contact2,"
+     "edge-to-surface contact potential,edge-to-surface sliding contact,tied-line,rigid sliding",
+     "choose one of them where two bones meet, or take this one out"},
+    {"rigid spherical joint,rigid revolute joint,rigid prismatic joint,rigid cylindrical joint,rigid planar joint,"
+     "rigid lock,generic rigid joint,rigid spring,rigid contractile force,rigid damper,rigid angular damper",
+     "rigid joint", "", "choose one of them, or take this one out"},
+    {"rigid_fixed,rigid_displacement,rigid_rotation,rigid_rotation_vector,rigid_euler_angles,rigid_force,rigid_moment,"
+     "rigid_follower_force,rigid_follower_moment,rigid_axial_force,rigid_cable,nodal_load",
+     "nodal_force,initial_rigid_velocity,initial_rigid_angular_velocity,fix,prescribe,force,follower force,"
+     "follower moment",
+     "", "choose one of them, or take this one out"},
+    {"linear spring,tension-only linear spring,nonlinear spring,experimental spring",
+     "linear,tension-only linear,nonlinear", "torsion spring,Hill,discrete composite",
+     "choose one of them for a ligament, or take the spring out"},
+    {"solid,biphasic,solute,multiphasic", "explicit-solid,CG-solid",
+     "fluid,fluid-FSI,fluid-solutes,heat,reaction-diffusion,polar "
+     "fluid,thermo-fluid,multiphasic-FSI,biphasic-FSI,rigid",
+     "all as the solid alone, without flow: make it one of them, or it is no model for DEA"},
+    {"zero displacement,prescribed displacement,rigid",
+     "zero shell displacement,zero rotation,zero fluid pressure,prescribed fluid pressure,zero concentration,"
+     "prescribed concentration,fix,prescribe",
+     "prescribed deformation,rigid deformation,linear constraint,normal displacement,prescribed rotation,"
+     "prescribed shell displacement",
+     "fix the nodes, or fasten them to a rigid body and move that (rigid_displacement, rigid_rotation)"},
+};
+
+bool holds(const std::vector<std::string>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::vector<std::string> read_words(const Words& words) {
+  return split_words(fmt::format("{},{}", words.told, words.read));
 }
 
 }  // namespace
@@ -208,20 +129,21 @@ std::string analysis_remark(const std::string& module, bool dynamic) {
 }
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  for (const ContactType& known : kContactTypes)
-    if (type == known.word) return known.kind;
-  return std::nullopt;
+  static const std::vector<std::string> known = read_words(kWords[static_cast<std::size_t>(WordOf::Contact)]);
+  if (!holds(known, type)) return std::nullopt;
+  return type == "sticky" || type.find("tied") != type.npos ? Contact::Kind::Tied : Contact::Kind::Sliding;
 }
 
 std::string word_advice(WordOf place, const std::string& word) {
-  const Words& words = words_of(place);
+  const Words& words = kWords[static_cast<std::size_t>(place)];
+  const std::vector<std::string> read = read_words(words);
   // A word of FEBio's own is no slip of the keyboard.
-  const bool febio = one_of(word, words.febio);
-  if (!febio && std::find(words.read.begin(), words.read.end(), word) != words.read.end())
+  const bool febio = holds(split_words(words.febio), word);
+  if (!febio && holds(read, word))
     return fmt::format("{} is a word of another version than the file says; {}", quote(word), words.otherwise);
-  const std::string meant = febio ? "" : nearest_name(word, words.read);
-  std::vector<std::string> listed(words.read.begin(), words.read.begin() + words.current);
-  if (!meant.empty() && std::find(listed.begin(), listed.end(), meant) == listed.end()) listed.push_back(meant);
+  const std::string meant = febio ? "" : nearest_name(word, read);
+  std::vector<std::string> listed = split_words(words.told);
+  if (!meant.empty() && !holds(listed, meant)) listed.push_back(meant);
   return fmt::format("{}DEA reads {}; {}", meant.empty() ? "" : fmt::format("did you mean {}? ", quote(meant)),
                      name_list(listed, meant, 12), words.otherwise);
 }
@@ -257,8 +179,8 @@ Sentence load_advice(const std::string& tag, const std::string& type) {
 }
 
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type) {
-  const bool unlimited = one_of(type, Names{"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
-                                            "sliding_with_gaps", "sliding"});
+  const bool unlimited = one_of(type, {"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
+                                       "sliding_with_gaps", "sliding"});
   std::vector<ContactParameter> unused = {{"fric_coeff", 0},
                                           {"mu", 0},
                                           {"tension", 0},
@@ -291,7 +213,7 @@ void check_times(LoadController& curve) {
   const std::size_t least = jumps || kind == Interpolate::Smooth ? 0 : kind == Interpolate::C2Smooth ? 3 : 2;
   if (curve.points.size() < least && curve.unsupported.empty()) {
     curve.unsupported = fmt::format("{} points, interpolation {} needs {}", curve.points.size(),
-                                    quote(kInterpolateWords[static_cast<std::size_t>(kind)]), least);
+                                    quote(word_of(kind, kInterpolateWords)), least);
   }
   if (!curve.unsupported.empty() || jumps || curve.points.size() < 2) return;
   try {
@@ -308,6 +230,31 @@ ThicknessText thickness_text(const std::string& type, std::string_view text) {
   if (text.empty()) return ThicknessText::Nothing;
   const bool meant_as_one = text.find_first_not_of("+-.,0123456789") == std::string_view::npos;
   return meant_as_one || whole_double(text) ? ThicknessText::Number : ThicknessText::Map;
+}
+
+std::optional<std::vector<SymmetryPlane>> planes_of_text(std::string_view text) {
+  std::vector<SymmetryPlane> planes;
+  if (trimmed(std::string(text)).empty()) return planes;
+  for (const std::string& part : split_at_commas(std::string(text))) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string::npos) return std::nullopt;
+    const std::string axis = trimmed(part.substr(0, equals));
+    const std::size_t k = axis.size() == 1 ? std::string_view("xyz").find(axis) : std::string_view::npos;
+    if (k == std::string_view::npos) return std::nullopt;
+    try {
+      planes.push_back({static_cast<int>(k), parse_number(trimmed(part.substr(equals + 1)))});
+    } catch (const BadValue&) {
+      return std::nullopt;
+    }
+  }
+  return planes;
+}
+
+std::string text_of_planes(const std::vector<SymmetryPlane>& planes) {
+  std::string text;
+  for (const SymmetryPlane& plane : planes)
+    text += fmt::format("{}{}={}", text.empty() ? "" : ", ", "xyz"[plane.axis], plane.at);
+  return text;
 }
 
 std::vector<double> must_points(const LoadController& curve, double begin, double end) {

@@ -1,7 +1,7 @@
 // io/febio/febio_rules.h – what FEBio's words mean for DEA, whoever brings them: a .feb file (io/feb) or
 // FEBio's own model (plugin).
 #pragma once
-#include <array>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -58,10 +58,19 @@ std::vector<ContactParameter> unused_contact_parameters(const std::string& type)
 enum class ThicknessText { Nothing, Number, Map, Refused };
 ThicknessText thickness_text(const std::string& type, std::string_view text);
 
+/// Planes of symmetry as a contact of type dea states them: "x=0, y=-12.5". Empty: no plane. Nothing: the text is no
+/// such list.
+std::optional<std::vector<SymmetryPlane>> planes_of_text(std::string_view text);
+/// The numbers read back the same.
+std::string text_of_planes(const std::vector<SymmetryPlane>& planes);
+/// What is wrong with a text that is no list of planes.
+inline constexpr const char* kPlanesExpected = "expected planes across axes, as in \"x=0, y=-12.5\"";
+
 /// FEBio's words, in the order of LoadController::Interpolate and Extend; FEBio also takes the place in this order.
-inline constexpr std::array<const char*, 8> kInterpolateWords = {
+inline constexpr std::initializer_list<const char*> kInterpolateWords = {
     "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
-inline constexpr std::array<const char*, 4> kExtendWords = {"constant", "extrapolate", "repeat", "repeat offset"};
+inline constexpr std::initializer_list<const char*> kExtendWords = {"constant", "extrapolate", "repeat",
+                                                                    "repeat offset"};
 
 /// Times or a number of points that a curve cannot be evaluated with; refused only where the curve is used.
 void check_times(LoadController& curve);

@@ -1,5 +1,6 @@
 #include "io/febio/febio_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -30,15 +31,13 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
+bool same_word(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && lower_case(std::string(a)) == lower_case(std::string(b));
 }
 
-bool same_word(std::string_view a, std::string_view b) { return a.size() == b.size() && lower(a) == lower(b); }
+bool one_of(std::string_view word, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
+}
 
 Number take_double(std::string_view& text, double& value) {
   skip_to_number(text);
@@ -82,14 +81,6 @@ std::optional<int> whole_int(std::string_view text) {
   return value;
 }
 
-std::vector<std::string> split_words(std::string_view text) {
-  std::vector<std::string> words;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    words.emplace_back(text.substr(0, comma));
-    if (comma == text.npos) return words;
-    text.remove_prefix(comma + 1);
-  }
-}
+std::vector<std::string> split_words(std::string_view text) { return split(std::string(text), ','); }
 
 }  // namespace dea::febio

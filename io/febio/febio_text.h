@@ -1,5 +1,6 @@
 // io/febio/febio_text.h – FEBio's way to write numbers, lists and words.
 #pragma once
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,7 +18,8 @@ inline std::string quote(std::string_view text) { return in_quotes(text); }
 
 /// Compares FEBio's enumerated words: upper and lower case are equal.
 bool same_word(std::string_view a, std::string_view b);
-std::string lower(std::string_view text);
+/// Is the word one of these, to the letter?
+bool one_of(std::string_view word, std::initializer_list<const char*> words);
 
 /// Outcome of looking for one number at the start of a text.
 enum class Number { Ok, None, NotFinite };

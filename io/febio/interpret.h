@@ -28,8 +28,6 @@ void add(std::vector<Condition>& list, Condition condition, const std::string& n
   }
 }
 
-bool one_of(std::string_view word, std::initializer_list<const char*> words);
-
 // -- nodes -------------------------------------------------------------------------------------------
 
 /// Of a condition on nodes: which, what it is called, where it stands.

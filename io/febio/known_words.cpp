@@ -33,6 +33,17 @@ constexpr const char* kContact =
     "search_radius,search_tol,search_tolerance,seg_up,shell_bottom_primary,shell_bottom_secondary,smooth_aug,"
     "smooth_fls,snap_tol,special,symmetric_stiffness,tension,tolerance,two_pass,update_penalty";
 
+/// They steer FEBio's solvers and its output, in 4.0 within <solver>.
+constexpr const char* kControlOthers =
+    "adaptor_re_solve,alpha,arc_length,arc_length_scale,beta,check_zero_diagonal,cmax,ctol,cycle_buffer,"
+    "diverge_reform,do_reforms,dtol,dyn_damping,equation_order,equation_scheme,etol,force_partition,"
+    "force_positive_concentrations,ftol,gamma,integration,line_search,linear_solver,logSolve,ls_check_jacobians,"
+    "lsiter,lsmin,lstol,mass_lumping,max_refs,max_residual,max_ups,min_residual,mixed_formulation,optimize_bw,order,"
+    "output_level,output_stride,plot_level,plot_range,plot_stride,plot_zero_state,predictor,pressure_stiffness,"
+    "print_level,ptol,qn_method,qnmethod,reform_augment,reform_each_time_step,restart,rhoi,rtol,shell_formulation,"
+    "shell_normal_nodal,solver,symmetric_biphasic,symmetric_stiffness,title,use_three_field_hex,use_three_field_quad,"
+    "use_three_field_shell,use_three_field_tet,use_three_field_tri,vtol,zero_diagonal_tol";
+
 /// FEBio 4's parameters, and those of older files that it passes over.
 constexpr Row kRows[] = {
     {Place::Material,
@@ -121,6 +132,7 @@ constexpr Row kRows[] = {
     {Place::Function, "linear ramp", "slope,intercept"},
     {Place::Controller, "loadcurve,<load_controller>", "points,interpolate,extend"},
     {Place::Controller, "math", "math,*var"},
+    {Place::Control, "Control", "time_steps,step_size,final_time,analysis,time_stepper", kControlOthers},
 };
 
 /// Usual names elsewhere, no slips of the keyboard.
@@ -159,28 +171,24 @@ struct Known {
   std::vector<std::string> taken, repeated, others;
 };
 
-void add_words(const char* list, std::vector<std::string>& words) {
-  if (*list == '\0') return;
-  for (std::string& word : split_words(list)) words.push_back(std::move(word));
+bool holds(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::vector<std::string> words_of(const char* list) {
+  return *list == '\0' ? std::vector<std::string>() : split_words(list);
 }
 
 /// False: no such type is looked into.
 bool known_in(Place place, const std::string& type, Known& known) {
   for (const Row& row : kRows) {
-    if (row.place != place) continue;
-    const std::vector<std::string> types = split_words(row.types);
-    if (std::find(types.begin(), types.end(), type) == types.end()) continue;
-    add_words(row.taken, known.taken);
-    add_words(row.others, known.others);
+    if (row.place != place || !holds(words_of(row.types), type)) continue;
+    known = {words_of(row.taken), {}, words_of(row.others)};
     for (std::string& word : known.taken)
       if (word[0] == '*') known.repeated.push_back(word.erase(0, 1));
     return true;
   }
   return false;
-}
-
-bool holds(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 /// As numbers, if they are some.
@@ -216,6 +224,16 @@ bool is_looked_at(const Component& contact, const std::string& word) {
   return std::any_of(told.begin(), told.end(), [&](const ContactParameter& p) { return word == p.name; });
 }
 
+/// A word that is none of FEBio's in `in`: refused where one of `taken` may be meant, whose default would stand in for
+/// it unseen; else told, once for all of a `kind`, with the one of `others` that may be meant.
+void unknown_word(Draft& draft, Origin origin, std::string_view word, const std::string& in, const std::string& kind,
+                  const std::vector<std::string>& taken, const std::vector<std::string>& others) {
+  const std::string meant = nearest_name(word, taken, kOtherNames);
+  if (!meant.empty())
+    fail(draft, origin, fmt::format("<{}> in {} is none of FEBio's words: did you mean <{}>?", word, in, meant));
+  ignore(draft, origin, fmt::format("<{}> in {}, none of FEBio's words{}", word, kind, did_you_mean(word, others)));
+}
+
 /// `in`: the component in a refusal; `kind`: the same for all of its type.
 void check_parts(Draft& draft, const Component& component, const Known& known, const std::string& in,
                  const std::string& kind) {
@@ -230,7 +248,7 @@ void check_parts(Draft& draft, const Component& component, const Known& known, c
       if (first != &part && !holds(known.repeated, part.tag) && !same(*first, part))
         fail_twice(draft, *first, part, in);
     } else if (!holds(known.others, part.tag)) {
-      unknown_word(draft, part.origin, part.tag, {in, kind}, missing, all);
+      unknown_word(draft, part.origin, part.tag, in, kind, missing, all);
     }
   }
 }
@@ -255,14 +273,6 @@ void check_material(Draft& draft, const Component& material, const std::string& 
 
 }  // namespace
 
-void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
-                  const std::vector<std::string>& taken, const std::vector<std::string>& others) {
-  const std::string meant = nearest_name(word, taken, kOtherNames);
-  if (!meant.empty())
-    fail(draft, origin, fmt::format("<{}> in {} is none of FEBio's words: did you mean <{}>?", word, in.one, meant));
-  ignore(draft, origin, fmt::format("<{}> in {}, none of FEBio's words{}", word, in.all, did_you_mean(word, others)));
-}
-
 void check_words(Draft& draft, Place place, const Component& component) {
   Known known;
   if (!known_in(place, component.type.empty() ? "<" + component.tag + ">" : component.type, known)) return;
@@ -273,10 +283,18 @@ void check_words(Draft& draft, Place place, const Component& component) {
   }
 }
 
+void check_control_word(Draft& draft, Origin origin, std::string_view word) {
+  Known known;
+  known_in(Place::Control, "Control", known);
+  if (!holds(known.others, std::string(word)))
+    unknown_word(draft, origin, word, "Control", "Control", known.taken, known.others);
+}
+
 std::vector<std::string> material_types() {
   std::vector<std::string> types;
   for (const Row& row : kRows)
-    if (row.place == Place::Material) add_words(row.types, types);
+    for (const std::string& type : words_of(row.types))
+      if (row.place == Place::Material) types.push_back(type);
   return types;
 }
 

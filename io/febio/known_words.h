@@ -20,23 +20,16 @@ enum class Place {
   Spring,      ///< discrete materials
   Function,    ///< the force of a spring
   Controller,  ///< load controllers
+  Control,     ///< of a step
 };
-
-/// What a word stands in: in a refusal, `material "cartilage"`; in a remark, which is listed once for all of a kind,
-/// `material "neo-Hookean"`.
-struct InWords {
-  std::string one, all;
-};
-/// A word that is none of FEBio's: refused where one of `taken` may be meant, whose default would stand in for it
-/// unseen; else told, with the one of `others` that may be meant.
-void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
-                  const std::vector<std::string>& taken, const std::vector<std::string>& others);
 
 /// The parameters of a component, by its type. Refuses one that DEA takes or tells that is given twice
 /// with different values, for FEBio takes the last. A type that DEA does not read is not looked into.
 void check_words(Draft& draft, Place place, const Component& component);
 /// The same of a material and of those nested in it.
 void check_material_words(Draft& draft, const Component& material);
+/// A child of Control that DEA does not take.
+void check_control_word(Draft& draft, Origin origin, std::string_view word);
 /// The types of material whose parameters are known: those of which DEA knows E and nu.
 std::vector<std::string> material_types();
 

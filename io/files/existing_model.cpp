@@ -26,9 +26,13 @@ bool has(const std::string& path, std::string_view word) {
 
 }  // namespace
 
-std::string why_kept_model(const std::string& path, ModelOf command) {
+bool would_replace(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return "";
+  return std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0 && !error;
+}
+
+std::string why_kept_model(const std::string& path, ModelOf command) {
+  if (!would_replace(path)) return "";
   if (!std::ifstream(path, std::ios::binary)) return "it is there already, and cannot be read";
   if (command == ModelOf::Convert)
     return has(path, kConvertedMark) ? "" : "it is there already, a model without a contact of type dea";

@@ -5,6 +5,9 @@
 
 namespace dea {
 
+/// A plain file with something in it is at `path`: what writing there would replace.
+bool would_replace(const std::string& path);
+
 /// Words by which a model is known: a contact of the plugin, and the comment that `dea build` writes.
 inline constexpr std::string_view kConvertedMark = "type=\"dea\"", kBuiltMark = "Made by dea build";
 

@@ -73,7 +73,8 @@ HeldOutputs::~HeldOutputs() {
   }
 }
 
-HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs) {
+HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+  check_outputs(inputs, outputs);
   HeldOutputs all;
   for (const NamedPath& output : outputs) {
     if (output.path == "-") continue;
@@ -87,11 +88,6 @@ HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs) {
     write_all(file, fmt::format("{}\n", process_id()));
   }
   return all;
-}
-
-HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
-  check_outputs(inputs, outputs);
-  return hold_outputs(outputs);
 }
 
 }  // namespace dea

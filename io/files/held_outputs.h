@@ -18,7 +18,7 @@ class HeldOutputs {
   ~HeldOutputs();
 
  private:
-  friend HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
+  friend HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
   struct Held {
     int file;
     std::unique_ptr<Temporary> name;
@@ -26,11 +26,8 @@ class HeldOutputs {
   std::vector<Held> held_;
 };
 
-/// Standard output and devices are passed over, and file systems without locks. Throws WriteError: another process
-/// holds one of them, or its folder cannot be written to.
-[[nodiscard]] HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
-
-/// check_outputs, then hold_outputs.
+/// The outputs, after check_outputs. Standard output and devices are passed over, and file systems without locks.
+/// Throws WriteError: another process holds one of them, or its folder cannot be written to.
 [[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
 
 }  // namespace dea

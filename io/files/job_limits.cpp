@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
 
 namespace dea {
 
@@ -50,16 +51,12 @@ int number_at(const std::string& text) {
 
 /// The entry of a node in Slurm's way of counting, "4(x3),2": four on each of three nodes, two on the last; -1: none.
 int of_node(const std::string& counts, int node) {
-  std::size_t at = 0;
-  while (at < counts.size()) {
-    const std::size_t end = std::min(counts.find(',', at), counts.size());
-    const std::string entry = counts.substr(at, end - at);
+  for (const std::string& entry : split(counts, ',')) {
     const std::size_t times = entry.find("(x");
     const int nodes = times == entry.npos ? 1 : number_at(entry.substr(times + 2));
     if (nodes < 1) return -1;
     if (node < nodes) return number_at(entry);
     node -= nodes;
-    at = end + 1;
   }
   return -1;
 }

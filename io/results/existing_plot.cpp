@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
 #include "io/results/plot_file.h"
@@ -13,8 +12,6 @@
 #include "src/base/time_text.h"
 
 namespace dea {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -70,11 +67,6 @@ std::string mesh_words(const XpltMesh& mesh) {
 }
 
 }  // namespace
-
-bool would_replace(const std::string& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && !error;
-}
 
 std::string why_kept(const std::string& path, PlotKind kind) {
   std::optional<XpltFile> outline;

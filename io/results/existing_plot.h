@@ -3,15 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "io/files/existing_model.h"
 #include "src/model/joint_model.h"
 
 namespace dea {
 
 /// What a plot file of ours shows: the results of a run, what was recognised (dea info), results side by side.
 enum class PlotKind { Run, Check, Comparison };
-
-/// A plain file with something in it is at `path`: what writing there would replace.
-bool would_replace(const std::string& path);
 
 /// Why a plot file of this kind must not replace the one at `path` unless it is asked for, as what that one is: "it is
 /// there already, written by FEBio4"; empty: it may. Of the same kind and ours, or empty, or none: it may.

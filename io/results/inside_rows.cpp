@@ -145,14 +145,6 @@ std::optional<Matrix3d> strain_of_displacement(const MeshElements& elements, con
   return Matrix3d(0.5 * (F.transpose() * F - Matrix3d::Identity()));
 }
 
-const std::vector<float>* displacement_of(const ResultFile& result, int state) {
-  const int index = find_variable(result.xplt, XpltGroup::Nodal, "displacement");
-  if (index < 0) return nullptr;
-  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
-    if (region.values.size() == mesh_of(result, state).coordinates.size()) return &region.values;
-  return nullptr;
-}
-
 double volume_of(const MeshElements& elements, int element) {
   const int* nodes = elements.nodes(element);
   const Vector3d origin = elements.node(nodes[0]);

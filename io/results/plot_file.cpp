@@ -445,11 +445,11 @@ PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed,
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
-  if (inside) {
-    for (const char* name : {"stress", "Lagrange strain"})
-      head.file.variables.push_back(xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, name,
-                                                  name == std::string("stress") ? "P" : ""));
-  }
+  const auto tensor = [](const char* name, const char* unit) {
+    return xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, name, unit);
+  };
+  if (inside)
+    head.file.variables.insert(head.file.variables.end(), {tensor("stress", "P"), tensor("Lagrange strain", "")});
   for (const SurfaceField& f : surface_fields(inside)) head.file.variables.push_back(f.variable);
   head.file.meshes.push_back(std::move(map.mesh));
   return head;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
@@ -101,6 +100,16 @@ int find_surface(const ResultFile& result, int state, const std::string& name) {
 
 namespace {
 
+/// Values of a variable on a region in a state; null: none.
+const XpltRegion* find_region(const ResultFile& result, int state, XpltGroup group, const std::string& field,
+                              int region) {
+  const int index = find_variable(result.xplt, group, field);
+  if (index < 0) return nullptr;
+  for (const XpltRegion& candidate : result.xplt.states[at(state)].variables[at(index)])
+    if (candidate.region == region) return &candidate;
+  return nullptr;
+}
+
 /// `displacement`: three numbers per node of the mesh; null: none.
 ResultSurface make_surface(const ResultFile& result, int state, int surface, const std::vector<float>* displacement) {
   const XpltMesh& mesh = mesh_of(result, state);
@@ -134,68 +143,59 @@ ResultSurface result_surface(const ResultFile& result, int state, int surface) {
   return make_surface(result, state, surface, nullptr);
 }
 
+const std::vector<float>* displacement_of(const ResultFile& result, int state) {
+  const XpltRegion* u = find_region(result, state, XpltGroup::Nodal, "displacement", 0);
+  return u != nullptr && u->values.size() == mesh_of(result, state).coordinates.size() ? &u->values : nullptr;
+}
+
 std::optional<ResultSurface> deformed_surface(const ResultFile& result, int state, int surface) {
-  const int index = find_variable(result.xplt, XpltGroup::Nodal, "displacement");
-  if (index < 0) return std::nullopt;
-  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
-    if (region.values.size() == mesh_of(result, state).coordinates.size())
-      return make_surface(result, state, surface, &region.values);
-  return std::nullopt;
+  const std::vector<float>* u = displacement_of(result, state);
+  return u == nullptr ? std::nullopt : std::optional(make_surface(result, state, surface, u));
 }
 
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
                                  bool undefined) {
-  const int index = find_variable(result.xplt, XpltGroup::Surface, field);
-  if (index < 0) return {};
-  const XpltVariable& variable = result.xplt.variables[at(index)];
+  const XpltRegion* region = find_region(result, state, XpltGroup::Surface, field, surface + 1);
+  if (region == nullptr) return {};
+  const XpltVariable& variable = result.xplt.variables[at(find_variable(result.xplt, XpltGroup::Surface, field))];
   const XpltFacets& facets = mesh_of(result, state).surfaces[at(surface)];
-  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)]) {
-    if (region.region != surface + 1) continue;
-    if (variable.type != XpltType::Float || variable.format == XpltFormat::Region)
-      throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
-    for (float x : region.values)
-      if (!std::isfinite(x) && !undefined)
-        throw InputError(fmt::format("{}: surface \"{}\", time {}: \"{}\" is not a number somewhere", result.path,
-                                     facets.name, time_text(result.xplt.states[at(state)].time), field));
-    std::vector<double> values;
-    if (variable.format == XpltFormat::Item) {
-      values.assign(region.values.begin(), region.values.end());
-      for (double& x : values)
-        if (!std::isfinite(x)) x = std::numeric_limits<double>::quiet_NaN();
-      return values;
-    }
-    std::unordered_map<int, int> place;  // per node: values per node come in order of first appearance
-    for (int node : facets.nodes) place.try_emplace(node, static_cast<int>(place.size()));
-    for (int f = 0; f < facets.size(); ++f) {
-      const int n = facets.begin[at(f) + 1] - facets.begin[at(f)];
-      double sum = 0.0;
-      for (int k = 0; k < n; ++k) {
-        const int slot = variable.format == XpltFormat::Mult ? f * facets.max_nodes + k
-                                                             : place[facets.nodes[at(facets.begin[at(f)] + k)]];
-        sum += region.values[at(slot)];
-      }
-      values.push_back(std::isfinite(sum) ? sum / n : std::numeric_limits<double>::quiet_NaN());
-    }
+  if (variable.type != XpltType::Float || variable.format == XpltFormat::Region)
+    throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
+  for (float x : region->values)
+    if (!std::isfinite(x) && !undefined)
+      throw InputError(fmt::format("{}: surface \"{}\", time {}: \"{}\" is not a number somewhere", result.path,
+                                   facets.name, time_text(result.xplt.states[at(state)].time), field));
+  std::vector<double> values;
+  if (variable.format == XpltFormat::Item) {
+    values.assign(region->values.begin(), region->values.end());
+    for (double& x : values)
+      if (!std::isfinite(x)) x = kNaN;
     return values;
   }
-  return {};
+  std::unordered_map<int, int> place;  // per node: values per node come in order of first appearance
+  for (int node : facets.nodes) place.try_emplace(node, static_cast<int>(place.size()));
+  for (int f = 0; f < facets.size(); ++f) {
+    const int n = facets.begin[at(f) + 1] - facets.begin[at(f)];
+    double sum = 0.0;
+    for (int k = 0; k < n; ++k) {
+      const int slot = variable.format == XpltFormat::Mult ? f * facets.max_nodes + k
+                                                           : place[facets.nodes[at(facets.begin[at(f)] + k)]];
+      sum += region->values[at(slot)];
+    }
+    values.push_back(std::isfinite(sum) ? sum / n : kNaN);
+  }
+  return values;
 }
 
 std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int surface, const std::string& field) {
-  const int index = find_variable(result.xplt, XpltGroup::Surface, field);
-  if (index < 0) return std::nullopt;
-  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
-    if (region.region == surface + 1 && region.values.size() == 3)
-      return Vector3d(region.values[0], region.values[1], region.values[2]);
-  return std::nullopt;
+  const XpltRegion* region = find_region(result, state, XpltGroup::Surface, field, surface + 1);
+  if (region == nullptr || region->values.size() != 3) return std::nullopt;
+  return Vector3d(region->values[0], region->values[1], region->values[2]);
 }
 
 bool has_springs(const ResultFile& result, int state, int surface) {
-  const int index = find_variable(result.xplt, XpltGroup::Surface, "springs");
-  if (index < 0) return false;
-  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
-    if (region.region == surface + 1 && region.values.size() == 1) return region.values[0] > 0;
-  return false;
+  const XpltRegion* region = find_region(result, state, XpltGroup::Surface, "springs", surface + 1);
+  return region != nullptr && region->values.size() == 1 && region->values[0] > 0;
 }
 
 std::vector<BodyPose> body_poses(const ResultFile& result, int state) {

@@ -37,6 +37,8 @@ int find_state(const ResultFile& result, double time);
 int find_surface(const ResultFile& result, int state, const std::string& name);
 /// In the reference configuration.
 ResultSurface result_surface(const ResultFile& result, int state, int surface);
+/// Three numbers per node of the mesh, the file's own `displacement` in this state; null: none.
+const std::vector<float>* displacement_of(const ResultFile& result, int state);
 /// With the nodes moved by the file's own `displacement` in this state; none: the file has no displacement there.
 std::optional<ResultSurface> deformed_surface(const ResultFile& result, int state, int surface);
 

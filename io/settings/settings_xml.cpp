@@ -182,6 +182,4 @@ SettingsFile read_settings_file(const std::string& path) {
   return file;
 }
 
-Settings read_settings(const std::string& path) { return read_settings_file(path).settings; }
-
 }  // namespace dea

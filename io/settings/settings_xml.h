@@ -19,6 +19,5 @@ struct SettingsFile {
 /// Reads a settings file (docs/settings.md): `<NAME>VALUE</NAME>` or `<NAME surface="KEY">VALUE</NAME>` of every row of
 /// setting_options and output_options. Throws InputError ("file:line: found ..., expected ...").
 SettingsFile read_settings_file(const std::string& path);
-Settings read_settings(const std::string& path);
 
 }  // namespace dea

@@ -234,7 +234,7 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
   const std::array<int, 3> moment = vector_columns(table, "load-columns", "moment", words("m", "moment", "torque"));
   const auto owner = [&](int column, const char* end) {  // "hip" of "hip_fx"
     const std::string name = bare_name(table.names[at(column)]);
-    return ends_in(name, end) ? name.substr(0, name.size() - std::string(end).size()) : std::string();
+    return name.ends_with(end) ? name.substr(0, name.size() - std::string(end).size()) : std::string();
   };
   if (moment[0] >= 0 && !owner(force[0], "_fx").empty() && !owner(moment[0], "_mx").empty() &&
       owner(force[0], "_fx") != owner(moment[0], "_mx"))

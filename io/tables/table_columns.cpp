@@ -58,15 +58,11 @@ std::string named_columns(const NumberTable& table, const std::string& word) { r
 
 std::string bare_name(const std::string& name) { return lower_case(trimmed(name.substr(0, name.find_first_of("[(")))); }
 
-bool ends_in(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 std::vector<int> like(const NumberTable& table, const std::vector<std::string>& words) {
   std::vector<int> found;
   for (std::size_t i = 0; i < table.names.size(); ++i)
     for (const std::string& word : words)
-      if (bare_name(table.names[i]) == word || ends_in(bare_name(table.names[i]), "_" + word)) {
+      if (bare_name(table.names[i]) == word || bare_name(table.names[i]).ends_with("_" + word)) {
         found.push_back(static_cast<int>(i));
         break;
       }

@@ -18,8 +18,6 @@ std::string named_columns(const NumberTable& table, const std::string& word = ""
 /// A column's name without its unit, in small letters: "Fx [N]" is "fx".
 std::string bare_name(const std::string& name);
 
-bool ends_in(const std::string& text, const std::string& end);
-
 /// Columns whose bare names are one of these or end in "_" and one of these.
 std::vector<int> like(const NumberTable& table, const std::vector<std::string>& words);
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <set>
 #include <system_error>
+#include <type_traits>
 
 #include "io/files/free_memory.h"
 #include "io/files/system.h"
@@ -39,8 +40,8 @@ constexpr double kXpltMemory = 2;  // times the file: its bytes and its values
 struct Source {
   const std::string* name = nullptr;
   const std::string* bytes = nullptr;
-  bool swapped = false;                      // written on a big-endian machine
-  std::optional<std::size_t> unpacked_from;  // the bytes were compressed; offset of their zlib stream
+  bool swapped = false;                           // written on a big-endian machine
+  std::optional<std::size_t> unpacked_from = {};  // the bytes were compressed; offset of their zlib stream
 };
 
 [[noreturn]] void fail(const Source& source, std::size_t at, const std::string& fault) {
@@ -165,13 +166,9 @@ void read_header(const Chunk& header, XpltFile& file) {
       case kVersionTag:
         file.version = read_u32(child);
         has_version = true;
-        if (file.version < 0x30) {
-          fail(child,
-               fmt::format("plot file version {:#x}, need 0x30 to 0x35 (written by FEBio 1 or 2?)", file.version));
-        }
-        if (file.version > 0x35) {
-          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35", file.version));
-        }
+        if (file.version < 0x30 || file.version > 0x35)
+          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35{}", file.version,
+                                  file.version < 0x30 ? " (written by FEBio 1 or 2?)" : ""));
         break;
       case kCompression:
         file.compressed = read_int(child) != 0;
@@ -345,24 +342,31 @@ XpltDomain read_domain(const Chunk& chunk) {
   return domain;
 }
 
-XpltFacets read_facets(const Chunk& chunk, const FacetIds& ids) {
+// Size, name and, of surfaces, slots per facet. `what`: how faults call it.
+template <class List>
+void read_list_header(const Chunk& header, const ListIds& ids, const char* what, List& list, int& count) {
+  for_each_child(header, [&](const Chunk& entry) {
+    if (entry.id == ids.id) return;  // the position counts
+    if (entry.id == ids.count) {
+      count = read_count(entry);
+    } else if (entry.id == ids.name) {
+      list.name = read_prefixed_name(entry);
+    } else if constexpr (std::is_same_v<List, XpltFacets>) {
+      if (entry.id != ids.max_nodes) fail_unknown(entry, what);
+      list.max_nodes = read_count(entry);
+    } else {
+      fail_unknown(entry, what);
+    }
+  });
+}
+
+XpltFacets read_facets(const Chunk& chunk, const ListIds& ids) {
   XpltFacets facets;
   int count = 0;
   for_each_child(chunk, [&](const Chunk& child) {
     if (child.id == ids.header) {
       if (facets.size() > 0) fail(child, "description of a surface after its facets");
-      for_each_child(child, [&](const Chunk& entry) {
-        if (entry.id == ids.id) return;  // the position counts
-        if (entry.id == ids.count) {
-          count = read_count(entry);
-        } else if (entry.id == ids.name) {
-          facets.name = read_prefixed_name(entry);
-        } else if (entry.id == ids.max_nodes) {
-          facets.max_nodes = read_count(entry);
-        } else {
-          fail_unknown(entry, "a surface");
-        }
-      });
+      read_list_header(child, ids, "a surface", facets, count);
     } else if (child.id == ids.list) {
       for_each_child(child, [&](const Chunk& facet) {
         if (facet.id != ids.facet) fail_unknown(facet, "a list of facets");
@@ -384,21 +388,12 @@ XpltFacets read_facets(const Chunk& chunk, const FacetIds& ids) {
   return facets;
 }
 
-XpltSet read_set(const Chunk& chunk, const SetIds& ids) {
+XpltSet read_set(const Chunk& chunk, const ListIds& ids) {
   XpltSet set;
   int count = 0;
   for_each_child(chunk, [&](const Chunk& child) {
     if (child.id == ids.header) {
-      for_each_child(child, [&](const Chunk& entry) {
-        if (entry.id == ids.id) return;
-        if (entry.id == ids.count) {
-          count = read_count(entry);
-        } else if (entry.id == ids.name) {
-          set.name = read_prefixed_name(entry);
-        } else {
-          fail_unknown(entry, "a set");
-        }
-      });
+      read_list_header(child, ids, "a set", set, count);
     } else if (child.id == ids.list) {
       require_size(child, 4 * static_cast<std::size_t>(count));
       for (std::size_t at = child.begin; at < child.end; at += 4) set.items.push_back(int_at(*child.source, at));
@@ -406,9 +401,7 @@ XpltSet read_set(const Chunk& chunk, const SetIds& ids) {
       fail_unknown(child, "a set");
     }
   });
-  if (static_cast<std::size_t>(count) != set.items.size()) {
-    fail(chunk, fmt::format("set of {} items, {} expected", set.items.size(), count));
-  }
+  if (count != set.size()) fail(chunk, fmt::format("set of {} items, {} expected", set.size(), count));
   return set;
 }
 
@@ -442,10 +435,7 @@ XpltObject read_object(const Chunk& chunk) {
         break;
       case kObjectData: {
         const XpltVariable item = read_item(child);
-        XpltVariable plain;
-        plain.type = item.type;
-        plain.name = item.name;
-        object.data.push_back(plain);
+        object.data.push_back(xplt_variable(XpltGroup::Nodal, item.type, XpltFormat::Node, item.name));
         break;
       }
       default:
@@ -494,10 +484,10 @@ XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
       read(child);
     });
   };
-  const auto facets_into = [&](std::vector<XpltFacets>& all, const Chunk& section, const FacetIds& ids) {
+  const auto facets_into = [&](std::vector<XpltFacets>& all, const Chunk& section, const ListIds& ids) {
     read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_facets(child, ids)); });
   };
-  const auto sets_into = [&](std::vector<XpltSet>& all, const Chunk& section, const SetIds& ids) {
+  const auto sets_into = [&](std::vector<XpltSet>& all, const Chunk& section, const ListIds& ids) {
     read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_set(child, ids)); });
   };
   for_each_child(chunk, [&](const Chunk& section) {
@@ -780,9 +770,7 @@ void refuse_model(const std::string& bytes, const std::string& name) {
 }  // namespace
 
 XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
-  Source source;
-  source.name = &name;
-  source.bytes = &bytes;
+  Source source{&name, &bytes};
   refuse_model(bytes, name);
   if (bytes.size() < 4) fail(source, 0, "not an FEBio plot file (too short)");
   source.swapped = u32_at(source, 0) != kMagic;
@@ -823,18 +811,13 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
     } else {
       const std::size_t start = at;
       const std::optional<Chunk> chunk = top_chunk(source, at);
-      if (chunk) {
-        read_mesh_or_state(*chunk, file);
-        continue;
-      }
+      file.truncated = !chunk;
+      if (chunk) read_mesh_or_state(*chunk, file);
+      if (chunk || bytes.size() - start < 4) continue;
       // Cut off if it begins like a chunk that may stand here; else the file is damaged.
-      if (bytes.size() - start >= 4) {
-        const std::uint32_t id = u32_at(source, start);
-        if (id != kState && id != kMesh) {
-          fail(source, start, fmt::format("chunk {:08x} where a state or a mesh is expected", id));
-        }
-      }
-      file.truncated = true;
+      const std::uint32_t id = u32_at(source, start);
+      if (id != kState && id != kMesh)
+        fail(source, start, fmt::format("chunk {:08x} where a state or a mesh is expected", id));
     }
   }
   return file;
@@ -844,9 +827,7 @@ namespace {
 
 // The time of the state whose bytes begin so; nothing: they begin otherwise than FEBio's and ours.
 std::optional<float> time_at_start(const std::string& bytes, const std::string& name) {
-  Source source;
-  source.name = &name;
-  source.bytes = &bytes;
+  const Source source{&name, &bytes};
   if (bytes.size() < 8 || u32_at(source, 0) != kStateHeader) return std::nullopt;
   const std::size_t end = 8 + std::size_t{u32_at(source, 4)};
   for (std::size_t at = 8; at + 12 <= std::min(end, bytes.size()); at += 8 + std::size_t{u32_at(source, at + 4)})
@@ -870,8 +851,7 @@ std::optional<XpltFile> skimmed(const std::string& path) {
   };
   const auto take_header = [&](std::uint32_t id, std::string& bytes) -> std::optional<std::uint32_t> {
     if (!take(8, bytes)) return std::nullopt;
-    Source source;
-    source.bytes = &bytes;
+    const Source source{&path, &bytes};
     return u32_at(source, 0) == id ? std::optional(u32_at(source, 4)) : std::nullopt;
   };
   std::string start, header, chunk;

@@ -4,13 +4,15 @@
 // crashes or shows noise. So everything it relies on is checked here before the first byte is written.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <filesystem>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "io/files/output.h"
@@ -57,9 +59,10 @@ template <class Numbers>
 void require_finite(const Numbers& numbers, const char* what) {
   for (const float number : numbers) {
     if (std::isinf(number))
-      throw InputError(fmt::format("a plot file cannot hold the {} of this model, which is beyond 3e38: check the "
-                                   "model's numbers, its settings and their units",
-                                   what));
+      throw InputError(
+          fmt::format("a plot file cannot hold the {} of this model, which is beyond 3e38: check the "
+                      "model's numbers, its settings and their units",
+                      what));
     if (!std::isfinite(number)) throw std::logic_error(fmt::format("plot file: {}: not a finite number", what));
   }
 }
@@ -220,12 +223,6 @@ void check(const XpltFile& file) {
 
 // --------------------------------------------------------------------------------------------- chunks
 
-// Bytes of nested chunks. Sizes are known only at their ends, so open_chunk leaves a gap that close_chunk fills.
-struct Chunks {
-  std::string bytes;
-  std::vector<std::size_t> open;  // where the payloads of the open chunks start
-};
-
 void put(std::string& bytes, std::uint32_t number) {
   const char little_endian[4] = {static_cast<char>(number), static_cast<char>(number >> 8),
                                  static_cast<char>(number >> 16), static_cast<char>(number >> 24)};
@@ -234,60 +231,59 @@ void put(std::string& bytes, std::uint32_t number) {
 void put(std::string& bytes, int number) { put(bytes, static_cast<std::uint32_t>(number)); }
 void put(std::string& bytes, float number) { put(bytes, std::bit_cast<std::uint32_t>(number)); }
 
-void open_chunk(Chunks& out, std::uint32_t id) {
-  put(out.bytes, id);
-  put(out.bytes, 0);
-  out.open.push_back(out.bytes.size());
-}
-
-void close_chunk(Chunks& out) {
-  const std::size_t start = out.open.back();
-  out.open.pop_back();
-  const std::size_t size = out.bytes.size() - start;
-  // FEBio computes sizes in a signed int.
-  if (size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw WriteError(fmt::format("a mesh or state of {} bytes, a plot file holds less than 2 GiB", size));
+// A chunk of what is put into `bytes` while it lives. Its size is known only at its end, so it leaves a gap before.
+class OpenChunk {
+ public:
+  OpenChunk(std::string& bytes, std::uint32_t id) : bytes_(bytes) {
+    put(bytes, id);
+    put(bytes, 0);
+    start_ = bytes.size();
   }
-  std::string number;
-  put(number, static_cast<std::uint32_t>(size));
-  out.bytes.replace(start - 4, 4, number);
-}
+  ~OpenChunk() {
+    std::string size;
+    put(size, static_cast<std::uint32_t>(bytes_.size() - start_));
+    std::copy(size.begin(), size.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(start_ - 4));
+  }
+  OpenChunk(const OpenChunk&) = delete;
+  OpenChunk& operator=(const OpenChunk&) = delete;
+
+ private:
+  std::string& bytes_;
+  std::size_t start_ = 0;
+};
 
 template <class Number>
-void leaf(Chunks& out, std::uint32_t id, Number number) {
-  open_chunk(out, id);
-  put(out.bytes, number);
-  close_chunk(out);
+void leaf(std::string& out, std::uint32_t id, Number number) {
+  const OpenChunk chunk(out, id);
+  put(out, number);
 }
 
 // An empty leaf is left out: a reader takes it for an empty branch and loses its place.
 template <class Numbers>
-void leaf_of_all(Chunks& out, std::uint32_t id, const Numbers& numbers) {
+void leaf_of_all(std::string& out, std::uint32_t id, const Numbers& numbers) {
   if (numbers.empty()) return;
-  open_chunk(out, id);
-  for (const auto number : numbers) put(out.bytes, number);
-  close_chunk(out);
+  const OpenChunk chunk(out, id);
+  for (const auto number : numbers) put(out, number);
 }
 
-void prefixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
+void prefixed_name(std::string& out, std::uint32_t id, const std::string& name) {
   const std::string_view stored = stored_name(name);
-  open_chunk(out, id);
-  put(out.bytes, static_cast<int>(stored.size()));
-  out.bytes += stored;
-  close_chunk(out);
+  const OpenChunk chunk(out, id);
+  put(out, static_cast<int>(stored.size()));
+  out += stored;
 }
 
-void fixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
+void fixed_name(std::string& out, std::uint32_t id, const std::string& name) {
   const std::string_view stored = stored_name(name);
-  open_chunk(out, id);
-  out.bytes += stored;
-  out.bytes.append(kFixedName - stored.size(), '\0');
-  close_chunk(out);
+  const OpenChunk chunk(out, id);
+  out += stored;
+  out.append(kFixedName - stored.size(), '\0');
 }
 
 // ----------------------------------------------------------------------------------------------- root
 
-void put_item(Chunks& out, const XpltVariable& variable, bool with_units) {
+void put_item(std::string& out, std::uint32_t id, const XpltVariable& variable, bool with_units) {
+  const OpenChunk item(out, id);
   leaf(out, kItemType, static_cast<int>(variable.type));
   leaf(out, kItemFormat, static_cast<int>(variable.format));
   leaf(out, kItemArraySize, variable.array_size);
@@ -296,127 +292,103 @@ void put_item(Chunks& out, const XpltVariable& variable, bool with_units) {
   if (with_units && !variable.units.empty()) fixed_name(out, kItemUnits, variable.units);
 }
 
-void put_root(Chunks& out, const XpltFile& file) {
-  open_chunk(out, kRoot);
-  open_chunk(out, kHeader);
+void put_header(std::string& out, const XpltFile& file) {
+  const OpenChunk header(out, kHeader);
   leaf(out, kVersionTag, file.version);
   leaf(out, kCompression, file.compressed ? 1 : 0);
   if (!file.software.empty()) prefixed_name(out, kSoftware, file.software);
   if (!file.units.empty()) prefixed_name(out, kUnits, file.units);
-  close_chunk(out);
-  open_chunk(out, kDictionary);
+}
+
+void put_root(std::string& out, const XpltFile& file) {
+  const OpenChunk root(out, kRoot);
+  put_header(out, file);
+  const OpenChunk dictionary(out, kDictionary);
   for (std::size_t i = 0; i < file.variables.size();) {
     const XpltGroup group = file.variables[i].group;
-    open_chunk(out, kGroupItems[static_cast<int>(group)]);
-    for (; i < file.variables.size() && file.variables[i].group == group; ++i) {
-      open_chunk(out, kItem);
-      put_item(out, file.variables[i], !file.units.empty());
-      close_chunk(out);
-    }
-    close_chunk(out);
+    const OpenChunk items(out, kGroupItems[static_cast<int>(group)]);
+    for (; i < file.variables.size() && file.variables[i].group == group; ++i)
+      put_item(out, kItem, file.variables[i], !file.units.empty());
   }
-  close_chunk(out);
-  close_chunk(out);
 }
 
 // ----------------------------------------------------------------------------------------------- mesh
 
-void put_nodes(Chunks& out, const XpltMesh& mesh) {
-  open_chunk(out, kNodes);
-  open_chunk(out, kNodeHeader);
-  leaf(out, kNodeCount, static_cast<int>(mesh.node_ids.size()));
-  leaf(out, kNodeDimension, 3);
-  close_chunk(out);
-  open_chunk(out, kNodeCoordinates);
-  for (std::size_t i = 0; i < mesh.node_ids.size(); ++i) {
-    put(out.bytes, mesh.node_ids[i]);
-    for (std::size_t k = 0; k < 3; ++k) put(out.bytes, mesh.coordinates[3 * i + k]);
+void put_nodes(std::string& out, const XpltMesh& mesh) {
+  const OpenChunk nodes(out, kNodes);
+  {
+    const OpenChunk header(out, kNodeHeader);
+    leaf(out, kNodeCount, static_cast<int>(mesh.node_ids.size()));
+    leaf(out, kNodeDimension, 3);
   }
-  close_chunk(out);
-  close_chunk(out);
+  const OpenChunk coordinates(out, kNodeCoordinates);
+  for (std::size_t i = 0; i < mesh.node_ids.size(); ++i) {
+    put(out, mesh.node_ids[i]);
+    for (std::size_t k = 0; k < 3; ++k) put(out, mesh.coordinates[3 * i + k]);
+  }
 }
 
-void put_domains(Chunks& out, const XpltMesh& mesh) {
-  open_chunk(out, kDomains);
+void put_domains(std::string& out, const XpltMesh& mesh) {
+  const OpenChunk domains(out, kDomains);
   for (const XpltDomain& domain : mesh.domains) {
-    open_chunk(out, kDomain);
-    open_chunk(out, kDomainHeader);
-    leaf(out, kDomainType, domain.element_type);
-    leaf(out, kDomainPart, domain.part);
-    leaf(out, kDomainElements, xplt_elements(domain));
-    if (!domain.name.empty()) prefixed_name(out, kDomainName, domain.name);
-    close_chunk(out);
-    open_chunk(out, kElementList);
+    const OpenChunk one(out, kDomain);
+    {
+      const OpenChunk header(out, kDomainHeader);
+      leaf(out, kDomainType, domain.element_type);
+      leaf(out, kDomainPart, domain.part);
+      leaf(out, kDomainElements, xplt_elements(domain));
+      if (!domain.name.empty()) prefixed_name(out, kDomainName, domain.name);
+    }
+    const OpenChunk list(out, kElementList);
     const std::size_t n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
     for (std::size_t i = 0; i < domain.element_ids.size(); ++i) {
-      open_chunk(out, kElement);
-      put(out.bytes, domain.element_ids[i]);
-      for (std::size_t k = 0; k < n; ++k) put(out.bytes, domain.nodes[n * i + k]);
-      close_chunk(out);
+      const OpenChunk element(out, kElement);
+      put(out, domain.element_ids[i]);
+      for (std::size_t k = 0; k < n; ++k) put(out, domain.nodes[n * i + k]);
     }
-    close_chunk(out);
-    close_chunk(out);
   }
-  close_chunk(out);
 }
 
-void put_facets(Chunks& out, const std::vector<XpltFacets>& all, const FacetIds& ids) {
+void put_items(std::string& out, const XpltFacets& facets, const ListIds& ids) {
+  if (facets.size() == 0) return;
+  const OpenChunk list(out, ids.list);
+  for (int i = 0; i < facets.size(); ++i) {
+    const int first = facets.begin[at(i)], n = facets.begin[at(i) + 1] - first;
+    const OpenChunk facet(out, ids.facet);
+    put(out, i + 1);
+    put(out, n);
+    for (int k = 0; k < facets.max_nodes; ++k) put(out, k < n ? facets.nodes[at(first + k)] : 0);
+  }
+}
+
+void put_items(std::string& out, const XpltSet& set, const ListIds& ids) { leaf_of_all(out, ids.list, set.items); }
+
+// Surfaces or sets, numbered from 1.
+template <class List>
+void put_lists(std::string& out, const std::vector<List>& all, const ListIds& ids) {
   if (all.empty()) return;
-  open_chunk(out, ids.section);
-  for (std::size_t s = 0; s < all.size(); ++s) {
-    const XpltFacets& facets = all[s];
-    open_chunk(out, ids.one);
-    open_chunk(out, ids.header);
-    leaf(out, ids.id, static_cast<int>(s) + 1);
-    leaf(out, ids.count, facets.size());
-    prefixed_name(out, ids.name, facets.name);
-    leaf(out, ids.max_nodes, facets.max_nodes);
-    close_chunk(out);
-    if (facets.size() > 0) {
-      open_chunk(out, ids.list);
-      for (int i = 0; i < facets.size(); ++i) {
-        const int first = facets.begin[static_cast<std::size_t>(i)];
-        const int n = facets.begin[static_cast<std::size_t>(i) + 1] - first;
-        open_chunk(out, ids.facet);
-        put(out.bytes, i + 1);
-        put(out.bytes, n);
-        for (int k = 0; k < facets.max_nodes; ++k) {
-          put(out.bytes, k < n ? facets.nodes[at(first + k)] : 0);
-        }
-        close_chunk(out);
-      }
-      close_chunk(out);
+  const OpenChunk section(out, ids.section);
+  int number = 0;
+  for (const List& list : all) {
+    const OpenChunk one(out, ids.one);
+    {
+      const OpenChunk header(out, ids.header);
+      leaf(out, ids.id, ++number);
+      leaf(out, ids.count, list.size());
+      prefixed_name(out, ids.name, list.name);
+      if constexpr (std::is_same_v<List, XpltFacets>) leaf(out, ids.max_nodes, list.max_nodes);
     }
-    close_chunk(out);
+    put_items(out, list, ids);
   }
-  close_chunk(out);
 }
 
-void put_sets(Chunks& out, const std::vector<XpltSet>& sets, const SetIds& ids) {
-  if (sets.empty()) return;
-  open_chunk(out, ids.section);
-  for (std::size_t s = 0; s < sets.size(); ++s) {
-    open_chunk(out, ids.one);
-    open_chunk(out, ids.header);
-    leaf(out, ids.id, static_cast<int>(s) + 1);
-    leaf(out, ids.count, static_cast<int>(sets[s].items.size()));
-    prefixed_name(out, ids.name, sets[s].name);
-    close_chunk(out);
-    leaf_of_all(out, ids.list, sets[s].items);
-    close_chunk(out);
-  }
-  close_chunk(out);
-}
-
-void put_parts(Chunks& out, const XpltMesh& mesh) {
-  open_chunk(out, kParts);
+void put_parts(std::string& out, const XpltMesh& mesh) {
+  const OpenChunk parts(out, kParts);
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
-    open_chunk(out, kPart);
+    const OpenChunk part(out, kPart);
     leaf(out, kPartId, static_cast<int>(i) + 1);
     fixed_name(out, kPartName, mesh.parts[i]);
-    close_chunk(out);
   }
-  close_chunk(out);
 }
 
 // Objects are numbered from 1 within their kind.
@@ -425,137 +397,124 @@ struct ObjectNumbers {
   int next(bool line) { return line ? ++lines : ++points; }
 };
 
-void put_objects(Chunks& out, const std::vector<XpltObject>& objects) {
+void put_objects(std::string& out, const std::vector<XpltObject>& objects) {
   if (objects.empty()) return;
-  open_chunk(out, kObjects);
+  const OpenChunk section(out, kObjects);
   ObjectNumbers numbers;
   for (const XpltObject& object : objects) {
-    open_chunk(out, object.line ? kLineObject : kPointObject);
+    const OpenChunk one(out, object.line ? kLineObject : kPointObject);
     leaf(out, kObjectId, numbers.next(object.line));
     prefixed_name(out, kObjectName, object.name);
     leaf(out, kObjectTag, object.tag);
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
     if (object.line) leaf_of_all(out, kLineEnds, object.line_ends);
-    for (const XpltVariable& item : object.data) {
-      XpltVariable plain;
-      plain.type = item.type;
-      plain.format = XpltFormat::Item;
-      plain.name = item.name;
-      open_chunk(out, kObjectData);
-      put_item(out, plain, false);
-      close_chunk(out);
-    }
-    close_chunk(out);
+    for (const XpltVariable& item : object.data)
+      put_item(out, kObjectData, xplt_variable(XpltGroup::Global, item.type, XpltFormat::Item, item.name), false);
   }
-  close_chunk(out);
 }
 
-void put_mesh(Chunks& out, const XpltMesh& mesh) {
-  open_chunk(out, kMesh);
+void put_mesh(std::string& out, const XpltMesh& mesh) {
+  const OpenChunk chunk(out, kMesh);
   put_nodes(out, mesh);
   put_domains(out, mesh);
-  put_facets(out, mesh.surfaces, kSurfaceIds);
-  put_facets(out, mesh.edges, kEdgeIds);
-  put_sets(out, mesh.node_sets, kNodeSetIds);
-  put_sets(out, mesh.element_sets, kElementSetIds);
-  put_facets(out, mesh.facet_sets, kFacetSetIds);
+  put_lists(out, mesh.surfaces, kSurfaceIds);
+  put_lists(out, mesh.edges, kEdgeIds);
+  put_lists(out, mesh.node_sets, kNodeSetIds);
+  put_lists(out, mesh.element_sets, kElementSetIds);
+  put_lists(out, mesh.facet_sets, kFacetSetIds);
   put_parts(out, mesh);
   put_objects(out, mesh.objects);
-  close_chunk(out);
 }
 
 // ---------------------------------------------------------------------------------------------- state
 
-void put_data(Chunks& out, const XpltFile& file, const XpltState& state, XpltGroup group) {
+void put_data(std::string& out, const XpltFile& file, const XpltState& state, XpltGroup group) {
+  std::optional<OpenChunk> section;
   std::uint32_t id = 0;  // counts within the group
   for (std::size_t i = 0; i < file.variables.size(); ++i) {
     if (file.variables[i].group != group) continue;
-    if (id == 0) open_chunk(out, kGroupData[static_cast<int>(group)]);
-    ++id;
-    open_chunk(out, kStateVariable);
-    leaf(out, kStateVariableId, id);
-    open_chunk(out, kStateVariableData);
-    for (const XpltRegion& region : state.variables[i]) {
+    if (!section) section.emplace(out, kGroupData[static_cast<int>(group)]);
+    const OpenChunk variable(out, kStateVariable);
+    leaf(out, kStateVariableId, ++id);
+    const OpenChunk data(out, kStateVariableData);
+    for (const XpltRegion& region : state.variables[i])
       leaf_of_all(out, static_cast<std::uint32_t>(region.region), region.values);
-    }
-    close_chunk(out);
-    close_chunk(out);
   }
-  if (id > 0) close_chunk(out);
 }
 
-void put_object_states(Chunks& out, const std::vector<XpltObject>& objects, const XpltState& state) {
+void put_object_states(std::string& out, const std::vector<XpltObject>& objects, const XpltState& state) {
   if (state.objects.empty()) return;
-  open_chunk(out, kObjectStates);
+  const OpenChunk section(out, kObjectStates);
   ObjectNumbers numbers;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const XpltObjectState& object = state.objects[i];
-    open_chunk(out, objects[i].line ? kLineObject : kPointObject);
+    const OpenChunk one(out, objects[i].line ? kLineObject : kPointObject);
     leaf(out, kObjectId, numbers.next(objects[i].line));
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
-    if (objects[i].line) {
+    if (objects[i].line)
       leaf_of_all(out, kLineEnds, object.line_ends);
-    } else {
+    else
       leaf_of_all(out, kPointCoordinate, object.point);
-    }
-    open_chunk(out, kObjectData);
-    for (std::size_t j = 0; j < object.data.size(); ++j) {
+    const OpenChunk data(out, kObjectData);
+    for (std::size_t j = 0; j < object.data.size(); ++j)
       leaf_of_all(out, static_cast<std::uint32_t>(j), object.data[j]);
-    }
-    close_chunk(out);
-    close_chunk(out);
   }
-  close_chunk(out);
 }
 
-void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
-  open_chunk(out, kState);
-  open_chunk(out, kStateHeader);
-  leaf(out, kStateTime, state.time);
-  leaf(out, kStateStatus, state.status);
-  close_chunk(out);
-  if (!state.element_flags.empty()) {
-    open_chunk(out, kMeshState);
-    leaf_of_all(out, kElementFlags, state.element_flags);
-    close_chunk(out);
+void put_state(std::string& out, const XpltFile& file, const XpltState& state) {
+  const OpenChunk chunk(out, kState);
+  {
+    const OpenChunk header(out, kStateHeader);
+    leaf(out, kStateTime, state.time);
+    leaf(out, kStateStatus, state.status);
   }
-  open_chunk(out, kStateData);
-  // FEBio's order: faces before edges, as in the dictionary.
-  for (int group = 0; group < kGroups; ++group) put_data(out, file, state, static_cast<XpltGroup>(group));
-  close_chunk(out);
+  if (!state.element_flags.empty()) {
+    const OpenChunk flags(out, kMeshState);
+    leaf_of_all(out, kElementFlags, state.element_flags);
+  }
+  {
+    const OpenChunk data(out, kStateData);
+    // FEBio's order: faces before edges, as in the dictionary.
+    for (int group = 0; group < kGroups; ++group) put_data(out, file, state, static_cast<XpltGroup>(group));
+  }
   put_object_states(out, file.meshes.front().objects, state);
-  close_chunk(out);
+}
+
+// The bytes of a mesh or a state, which `put` puts.
+template <class Put>
+std::string whole_chunk(bool compressed, const Put& put) {
+  std::string bytes;
+  put(bytes);
+  const std::size_t size = bytes.size() - 8;
+  // FEBio computes sizes in a signed int.
+  if (size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    throw WriteError(fmt::format("a mesh or state of {} bytes, a plot file holds less than 2 GiB", size));
+  return compressed ? packed_bytes(bytes) : bytes;
 }
 
 }  // namespace
 
 std::string xplt_bytes(const XpltFile& file) {
   check(file);
-  Chunks out;
-  put(out.bytes, kMagic);
+  std::string out;
+  put(out, kMagic);
   put_root(out, file);
-  put_mesh(out, file.meshes.front());
-
-  // From here on each chunk may be compressed; the root and the first mesh never are.
-  const auto add_chunk = [&](Chunks& chunk) { out.bytes += file.compressed ? packed_bytes(chunk.bytes) : chunk.bytes; };
-  std::size_t mesh = 0;
-  const auto advance_to = [&](std::size_t target) {
-    while (mesh < target) {
-      Chunks chunk;
-      put_mesh(chunk, file.meshes[++mesh]);
-      add_chunk(chunk);
-    }
+  // From the second mesh or the first state on each chunk may be compressed; the root and the first mesh never are.
+  std::size_t meshes = 0;
+  const auto add_meshes = [&](std::size_t until) {
+    for (; meshes < until; ++meshes)
+      out +=
+          whole_chunk(file.compressed && meshes > 0, [&](std::string& chunk) { put_mesh(chunk, file.meshes[meshes]); });
   };
+  add_meshes(1);
   for (const XpltState& state : file.states) {
-    advance_to(static_cast<std::size_t>(state.mesh));
-    Chunks chunk;
-    put_state(chunk, file, state);
-    add_chunk(chunk);
+    add_meshes(static_cast<std::size_t>(state.mesh) + 1);
+    out += whole_chunk(file.compressed, [&](std::string& chunk) { put_state(chunk, file, state); });
   }
-  advance_to(file.meshes.size() - 1);
-  return std::move(out.bytes);
+  add_meshes(file.meshes.size());
+  return out;
 }
 
 namespace {
@@ -594,9 +553,7 @@ void XpltWriter::add(const XpltState& state) {
   require(state.mesh == 0, "mesh of a state");
   check_state(head_, state);
   states_.add(of_file(path_, [&] {
-    Chunks chunk;
-    put_state(chunk, head_, state);
-    return head_.compressed ? packed_bytes(chunk.bytes) : std::move(chunk.bytes);
+    return whole_chunk(head_.compressed, [&](std::string& chunk) { put_state(chunk, head_, state); });
   }));
 }
 

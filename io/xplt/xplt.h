@@ -52,6 +52,7 @@ struct XpltFacets {
 struct XpltSet {
   std::string name;
   std::vector<int> items;  ///< node set: zero-based node indices; element set: element ids
+  int size() const { return static_cast<int>(items.size()); }
   bool operator==(const XpltSet&) const = default;
 };
 

@@ -86,25 +86,21 @@ enum Id : std::uint32_t {
   kObjectStates = 0x02040000,
 };
 
-/// Surfaces, facet sets and edges are stored alike, under different ids.
-struct FacetIds {
-  std::uint32_t section, one, header, id, count, name, max_nodes, list, facet;
+/// Surfaces, facet sets and edges are stored alike, under different ids; node sets and element sets, too, without what
+/// is of facets.
+struct ListIds {
+  std::uint32_t section, one, header, id, count, name, list, max_nodes = 0, facet = 0;
 };
-inline constexpr FacetIds kSurfaceIds = {0x01043000, 0x01043100, 0x01043101, 0x01043102, 0x01043103,
-                                         0x01043104, 0x01043105, 0x01043200, 0x01043201};
-inline constexpr FacetIds kFacetSetIds = {0x01047000, 0x01047100, 0x01047101, 0x01047102, 0x01047104,
-                                          0x01047103, 0x01047105, 0x01047200, 0x01047201};
-inline constexpr FacetIds kEdgeIds = {0x01048000, 0x01048100, 0x01048101, 0x01048102, 0x01048103,
-                                      0x01048104, 0x01048105, 0x01048200, 0x01048201};
-
-/// Node sets and element sets likewise.
-struct SetIds {
-  std::uint32_t section, one, header, id, name, count, list;
-};
-inline constexpr SetIds kNodeSetIds = {0x01044000, 0x01044100, 0x01044101, 0x01044102,
-                                       0x01044103, 0x01044104, 0x01044200};
-inline constexpr SetIds kElementSetIds = {0x01046000, 0x01046100, 0x01046101, 0x01046102,
-                                          0x01046103, 0x01046104, 0x01046200};
+inline constexpr ListIds kSurfaceIds = {0x01043000, 0x01043100, 0x01043101, 0x01043102, 0x01043103,
+                                        0x01043104, 0x01043200, 0x01043105, 0x01043201};
+inline constexpr ListIds kFacetSetIds = {0x01047000, 0x01047100, 0x01047101, 0x01047102, 0x01047104,
+                                         0x01047103, 0x01047200, 0x01047105, 0x01047201};
+inline constexpr ListIds kEdgeIds = {0x01048000, 0x01048100, 0x01048101, 0x01048102, 0x01048103,
+                                     0x01048104, 0x01048200, 0x01048105, 0x01048201};
+inline constexpr ListIds kNodeSetIds = {0x01044000, 0x01044100, 0x01044101, 0x01044102,
+                                        0x01044104, 0x01044103, 0x01044200};
+inline constexpr ListIds kElementSetIds = {0x01046000, 0x01046100, 0x01046101, 0x01046102,
+                                           0x01046104, 0x01046103, 0x01046200};
 
 /// In the order of XpltGroup.
 inline constexpr int kGroups = 5;

@@ -864,7 +864,7 @@ TEST(LandmarkFiles, FramesAsSettingsReadBackTheSame) {
   const TemporaryFolder folder;
   const std::string path = (folder.path / "frames.xml").string();
   std::ofstream(path) << frames_as_settings(anatomy.frames);
-  const Settings settings = read_settings(path);
+  const Settings settings = read_settings_file(path).settings;
   ASSERT_EQ(settings.frames.size(), 2U);
   for (const AnatomicalFrame& f : anatomy.frames)
     EXPECT_LT((settings.frames.at(f.name) - f.axes).cwiseAbs().maxCoeff(), 1e-15);  // made orthonormal once more

@@ -35,7 +35,7 @@ struct SettingsFile {
   explicit SettingsFile(const std::string& text) { std::ofstream(path) << text; }
   ~SettingsFile() { std::filesystem::remove(path); }
   std::string fault() const {
-    const std::string what = message_of([&] { read_settings(path); });
+    const std::string what = message_of([&] { read_settings_file(path); });
     return what.rfind(path, 0) == 0 ? what.substr(path.size()) : what;
   }
 };
@@ -222,7 +222,7 @@ TEST(SettingsXml, ReadsEveryKindOfElement) {
       "<rigid>b</rigid>\n"
       " <force body=\"femur\">1, -2,3</force>\n <load-at body=\"femur\">sphere-center</load-at>\n "
       "<squash>false</squash>\n</febiodea_settings>\n");
-  const Settings s = read_settings(file.path);
+  const Settings s = read_settings_file(file.path).settings;
   EXPECT_EQ(s.law, Law::Logarithmic);
   EXPECT_EQ(s.thickness, (std::map<std::string, double>{{"", 2.0}, {"S & T", 1.5}}));
   EXPECT_EQ(s.set_values, (std::map<std::string, double>{{"ACL.stiffness", 80.0}}));
@@ -329,9 +329,9 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
   EXPECT_EQ(SettingsFile(deep).fault(), ":1: found no well-formed XML, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("").fault(), ":1: found no well-formed XML, expected <febiodea_settings version=\"1\">");
-  EXPECT_EQ(message_of([] { read_settings("/nonexistent/s.xml"); }),
+  EXPECT_EQ(message_of([] { read_settings_file("/nonexistent/s.xml"); }),
             "/nonexistent/s.xml: found no readable file, expected a settings file");
-  EXPECT_NE(message_of([] { read_settings("/tmp"); }), "nothing thrown");
+  EXPECT_NE(message_of([] { read_settings_file("/tmp"); }), "nothing thrown");
 }
 
 }  // namespace dea::settings_xml_test
