@@ -115,16 +115,18 @@ RigidLoad rigid_load(const Reading& reading, const XMLElement& element, int mate
 void read_rigid_body(Reading& reading, const XMLElement& section) {
   const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
   const std::string name = name_of(section);
-  RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
+  RigidFixed fixed{{reading.step, name, origin_of(reading, section)}, material};
   bool any_fixed = false;
   for (const XMLElement& child : children(section)) {
     const std::string_view tag = child.Name();
     if (tag == "fixed") {
       fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, child))] = any_fixed = true;
     } else if (tag == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, child), read_scaled(reading, child),
-                                                attribute(child, "type") == "relative", reading.step, name,
-                                                origin_of(reading, child)});
+      reading.model.rigid_prescribed.push_back({{reading.step, name, origin_of(reading, child)},
+                                                material,
+                                                rigid_dof(reading, child),
+                                                read_scaled(reading, child),
+                                                attribute(child, "type") == "relative"});
     } else if (tag == "force") {
       add_body_load(reading, child, material, name);
     } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {

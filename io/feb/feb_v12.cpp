@@ -88,7 +88,7 @@ bool is_relative(const Reading& reading, const XMLElement& element) {
 void read_body(Reading& reading, const XMLElement& section) {
   const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
   const std::string name = attribute(section, "name");
-  RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
+  RigidFixed fixed{{reading.step, name, origin_of(reading, section)}, material};
   bool any_fixed = false;
   for (const XMLElement& child : children(section)) {
     const int dof = dof_of(child.Name());
@@ -101,8 +101,11 @@ void read_body(Reading& reading, const XMLElement& section) {
     if (type == "fixed") {
       fixed.dofs[static_cast<std::size_t>(dof)] = any_fixed = true;
     } else if (type == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, dof, read_scaled(reading, child), is_relative(reading, child),
-                                                reading.step, name, origin_of(reading, child)});
+      reading.model.rigid_prescribed.push_back({{reading.step, name, origin_of(reading, child)},
+                                                material,
+                                                dof,
+                                                read_scaled(reading, child),
+                                                is_relative(reading, child)});
     } else if (type == "force") {
       reading.model.rigid_loads.push_back(rigid_load(reading, child, material, dof, name));
     } else {

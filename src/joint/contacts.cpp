@@ -62,7 +62,7 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
         const int twice = same_partner ? shared_triangles(a.articular, b.articular) : 0;
         if (twice > 0)
           return make_fault(
-              model, model.contacts[at(pair.contact)].origin,
+              model, pair.origin,
               say("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" and \"{}\"), "
                   "which would count twice:",
                   other.name, pair.name, (twice + 1) / 2, one, two),
@@ -109,10 +109,7 @@ void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings)
 ContactPair stated_pair(const ModelParts& parts, int contact) {
   const Contact& c = parts.model.contacts[at(contact)];
   const Settings& settings = parts.settings;
-  ContactPair pair;
-  pair.name = c.name;
-  pair.contact = contact;
-  pair.step = c.step;
+  ContactPair pair{c, contact};
   pair.source = c.dea ? c.dea->source : 0;
   pair.law = law_of(settings, c);
   pair.layer_fit = settings.layer_fit;
