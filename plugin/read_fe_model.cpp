@@ -350,7 +350,7 @@ void read_rigid_nodes(Reading& reading) {
     if (nodal == nullptr || type_of(*nodal) != "rigid") continue;
     const febio::OnNodes on = on_nodes(reading, *nodal);
     febio::add(reading.model.rigid_nodes,
-               RigidNodes{febio::body_of(reading, component_of(reading, *nodal, "bc")), on.nodes, -1, {}, {}}, on.name,
+               RigidNodes{{}, febio::body_of(reading, component_of(reading, *nodal, "bc")), on.nodes}, on.name,
                kNowhere, on.steps);
   }
 }

@@ -195,8 +195,11 @@ void read_body(Reading& reading, const XMLElement& section,
 }
 
 void prescribe_body(Reading& reading, const XMLElement& element, const RigidFixed& body, int dof, bool relative) {
-  reading.model.rigid_prescribed.push_back({body.material, dof, read_scaled(reading, element), relative, reading.step,
-                                            body.name, origin_of(reading, element)});
+  reading.model.rigid_prescribed.push_back({{reading.step, body.name, origin_of(reading, element)},
+                                            body.material,
+                                            dof,
+                                            read_scaled(reading, element),
+                                            relative});
 }
 
 /// A force or moment, the element's number.

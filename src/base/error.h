@@ -1,5 +1,6 @@
 // src/base/error.h – the faults a user can cause. Our own faults are asserts.
 #pragma once
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -26,6 +27,16 @@ inline void throw_if_any(const std::vector<Fault>& faults) {
   InputError error(faults.front());
   error.others.assign(faults.begin() + 1, faults.end());
   throw error;
+}
+
+/// Adds those that are not there yet.
+inline void add_once(std::vector<Fault>& faults, const std::vector<Fault>& more) {
+  for (const Fault& fault : more)
+    if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
+}
+inline void add_once(std::vector<Fault>& faults, const InputError& error) {
+  add_once(faults, std::vector<Fault>{error.fault});
+  add_once(faults, error.others);
 }
 
 /// A fault in how the program was asked (exit code 2): an override that names nothing in the model.

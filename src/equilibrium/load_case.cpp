@@ -28,7 +28,6 @@ struct Instant {
   const Settings& settings;
   int step;
   double time;
-  bool acts(int condition_step) const { return condition_step < 0 || condition_step == step; }
 };
 
 double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
@@ -37,7 +36,8 @@ double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
   throw fault_at(
       now.model, origin,
       fmt::format("its value at time {} is {:g}, expected at most 1e30 (load curve {}): mend the curve's points",
-                  time_text(now.time), v, scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
+                  time_text(now.time), v,
+                  scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
 }
 
 Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Origin origin) {
@@ -48,18 +48,18 @@ Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Or
 
 /// Which contacts, ligaments, cables and connectors act, and how hard they pull.
 void set_connections(const Instant& now, LoadCase& c) {
-  for (const ContactPair& pair : now.joint.contacts) c.contact_active.push_back(now.acts(pair.step));
+  for (const ContactPair& pair : now.joint.contacts) c.contact_active.push_back(pair.acts(now.step));
   for (const Ligament& l : now.joint.ligaments) {
-    c.ligament_active.push_back(now.acts(l.step));
-    c.ligament_scale.push_back(now.acts(l.step) ? finite_value(now, l.scale, l.origin) : 0.0);
+    c.ligament_active.push_back(l.acts(now.step));
+    c.ligament_scale.push_back(l.acts(now.step) ? finite_value(now, l.scale, l.origin) : 0.0);
   }
   for (const Cable& cable : now.joint.cables)
-    c.cable_force.push_back(now.acts(cable.step) ? finite_value(now, cable.force, cable.origin) : 0.0);
+    c.cable_force.push_back(cable.acts(now.step) ? finite_value(now, cable.force, cable.origin) : 0.0);
   for (const Connector& j : now.joint.connectors) {
-    c.connector_active.push_back(now.acts(j.step));
+    c.connector_active.push_back(j.acts(now.step));
     c.connector_value.push_back({});
     for (std::size_t k = 0; k < kDofs; ++k)
-      if (now.acts(j.step) && j.motion[k] != RigidJoint::Motion::Held)
+      if (j.acts(now.step) && j.motion[k] != RigidJoint::Motion::Held)
         c.connector_value.back()[k] = finite_value(now, j.value[k], j.origin);
   }
 }
@@ -186,7 +186,7 @@ double passed(const Instant& now, int step) {
 void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<char>& replaced,
                     const std::vector<Vector6>* reaction, LoadCase& c) {
   const int b = now.joint.body_of(l.material);
-  if (!now.acts(l.step) || b < 0) return;
+  if (!l.acts(now.step) || b < 0) return;
   if (replaced[at(b)]) return;
   BodyConditions& body = c.bodies[at(b)];
   Vector6& load = l.kind == RigidLoad::Kind::Follower ? body.follower : body.dead;
@@ -210,7 +210,7 @@ void add_point_forces(const Instant& now, const std::vector<char>& replaced, con
                       LoadCase& c) {
   for (const RigidFollower& f : now.model.rigid_followers) {
     const int b = now.joint.body_of(f.material);
-    if (!now.acts(f.step) || b < 0) continue;
+    if (!f.acts(now.step) || b < 0) continue;
     const Vector3d v = finite_vector(now, f.value, f.controller, f.origin);
     if (f.moment) {
       if (moments_replaced[at(b)]) continue;
@@ -221,7 +221,7 @@ void add_point_forces(const Instant& now, const std::vector<char>& replaced, con
     }
   }
   for (const PointLoad& p : now.joint.point_loads) {
-    if (!now.acts(p.step) || replaced[at(p.body)]) continue;
+    if (!p.acts(now.step) || replaced[at(p.body)]) continue;
     c.bodies[at(p.body)].point_forces.push_back({p.point - now.joint.bodies[at(p.body)].center_of_mass,
                                                  finite_vector(now, p.value, p.controller, p.origin), false});
   }

@@ -48,7 +48,6 @@ struct StatedStep {
   const std::vector<int>& node_body;
   const std::vector<char>& of_bone;  // per node
   int step;
-  bool acts(int of) const { return of < 0 || of == step; }
   int body_of(int material) const { return material < 0 ? -1 : bodies.of_material[at(material)]; }
 };
 
@@ -71,7 +70,7 @@ void fix_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
   all[at(now.bodies.ground())].dofs.fill({DofState::Held, HeldBy::Body, {}, {}});
   for (const RigidFixed& f : now.model.rigid_fixed) {
     const int b = now.body_of(f.material);
-    if (!now.acts(f.step) || b < 0) continue;
+    if (!f.acts(now.step) || b < 0) continue;
     for (std::size_t k = 0; k < kDofs; ++k) {
       if (!f.dofs[k]) continue;
       BodyDof& dof = all[at(b)].dofs[k];
@@ -85,7 +84,7 @@ void fix_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
 void move_dofs(const StatedStep& now, std::vector<BodyHolds>& all) {
   for (const RigidPrescribed& p : now.model.rigid_prescribed) {
     const int b = now.body_of(p.material);
-    if (!now.acts(p.step) || b < 0) continue;
+    if (!p.acts(now.step) || b < 0) continue;
     BodyDof& dof = all[at(b)].dofs[at(p.dof)];
     if (dof.by != HeldBy::Body) dof.motions.clear();  // of nodes
     dof.state = DofState::Prescribed;
@@ -114,11 +113,11 @@ NodeRows rows_of_nodes(const StatedStep& now, int body, bool& back) {
   };
   for (const FixedNodes& f : now.model.fixed_nodes) {
     for (int k = 0; k < 3; ++k)
-      if (now.acts(f.step) && f.xyz[at(k)]) add(f.nodes, k, -1);
+      if (f.acts(now.step) && f.xyz[at(k)]) add(f.nodes, k, -1);
     back = back || (f.step > 0 && ours(f.nodes));
   }
   for (const PrescribedNodes& p : now.model.prescribed_nodes) {
-    if (!now.acts(p.step)) {
+    if (!p.acts(now.step)) {
       back = back || ours(p.nodes);
       continue;
     }
@@ -157,7 +156,7 @@ void move_by_nodes(const StatedStep& now, const Body& body, BodyHolds& holds) {
     const PrescribedNodes& p = now.model.prescribed_nodes[at(i)];
     BodyDof& dof = holds.dofs[at(p.component)];
     dof.state = DofState::Prescribed;  // fixed in this step: at the reference, wherever the nodes were before
-    if (now.acts(p.step)) dof.motions.push_back(motion_of(p));
+    if (p.acts(now.step)) dof.motions.push_back(motion_of(p));
   }
 }
 
@@ -192,7 +191,7 @@ void couple_by_nodes(const StatedStep& now, int body, BodyHolds& holds) {
   for (int dof = 0; dof < kDofs; ++dof)
     holds.coupled_dofs[at(dof)] = holds.dofs[at(dof)].by == HeldBy::Nodes && !by_others.holds(dof);
   for (const FixedNodes& f : now.model.fixed_nodes)
-    if (holds.first_coupled < 0 && now.acts(f.step) && std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) {
+    if (holds.first_coupled < 0 && f.acts(now.step) && std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) {
           return now.of_bone[at(node)] != 0 && now.node_body[at(node)] == body;
         }))
       holds.first_coupled = static_cast<int>(&f - now.model.fixed_nodes.data());

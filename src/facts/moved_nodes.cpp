@@ -34,16 +34,15 @@ NodeMotion motion_of(const JointModel& model, const std::vector<int>& conditions
   NodeMotion motion(std::max<std::size_t>(model.steps.size(), 1), {kFree, kFree, kFree});
   const int prescribed = static_cast<int>(model.prescribed_nodes.size());
   for (std::size_t s = 0; s < motion.size(); ++s) {
-    const auto acts = [&](int step) { return step < 0 || at(step) == s; };
     for (int c : conditions) {
       if (c < prescribed) {
         const PrescribedNodes& p = model.prescribed_nodes[at(c)];
-        if (!acts(p.step)) continue;
+        if (!p.acts(static_cast<int>(s))) continue;
         int& state = motion[s][at(p.component)];
         state = state == kFree || state == classes[at(c)] ? classes[at(c)] : kTwice;
       } else {
         const FixedNodes& f = model.fixed_nodes[at(c - prescribed)];
-        if (!acts(f.step)) continue;
+        if (!f.acts(static_cast<int>(s))) continue;
         for (std::size_t k = 0; k < 3; ++k)
           if (f.xyz[k]) motion[s][k] = motion[s][k] == kFree || motion[s][k] == kFixed ? kFixed : kTwice;
       }

@@ -78,7 +78,8 @@ std::string edge_text(const JointModel& model, int a, int b) {
                      model.node_ids[at(b)], x.x(), x.y(), x.z());
 }
 
-Fault several_sheets(const ContactSide& in, const std::vector<WoundEdge>& edges, std::size_t first, std::size_t last) {
+InputError several_sheets(const ContactSide& in, const std::vector<WoundEdge>& edges, std::size_t first,
+                          std::size_t last) {
   std::string list;
   for (std::size_t i = first; i < last; ++i)
     list += fmt::format("{}{}", list.empty() ? "" : i + 1 == last ? " and " : ", ", edges[i].facet + 1);
@@ -88,7 +89,7 @@ Fault several_sheets(const ContactSide& in, const std::vector<WoundEdge>& edges,
                     "select one sheet of facets, the one that touches, each facet once");
 }
 
-Fault one_sided(const ContactSide& in, int facet, const Beside& beside) {
+InputError one_sided(const ContactSide& in, int facet, const Beside& beside) {
   return refusal_of(
       in,
       say("its facets cannot be turned to one side (a Moebius strip has but one): facets {} and {} at {} would look to "
@@ -99,15 +100,15 @@ Fault one_sided(const ContactSide& in, int facet, const Beside& beside) {
 
 /// Per facet those across its edges. Edges where solids and shells meet by threes, or solids, part them.
 std::vector<std::vector<Beside>> facets_beside(const ContactSide& in, const std::vector<char>& on_shell,
-                                               BareSurface& surface) {
-  const std::vector<WoundEdge> edges = wound_edges(surface.facets);
-  std::vector<std::vector<Beside>> beside(at(surface.facets.size()));
+                                               const FacetList& facets) {
+  const std::vector<WoundEdge> edges = wound_edges(facets);
+  std::vector<std::vector<Beside>> beside(at(facets.size()));
   for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
     bool shells = true;
     for (j = i; j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high; ++j)
       shells = shells && on_shell[at(edges[j].facet)];
     const WoundEdge &a = edges[i], &b = edges[j - 1];
-    if (j - i > 2 && shells && !surface.fault) surface.fault = several_sheets(in, edges, i, j);
+    if (j - i > 2 && shells) throw several_sheets(in, edges, i, j);
     if (j - i != 2 || a.facet == b.facet) continue;
     const bool alike = a.rising != b.rising;
     beside[at(a.facet)].push_back({b.facet, alike, a.low, a.high});
@@ -125,8 +126,7 @@ struct FacePiece {
 /// Winds facets like those beside them, from those of solids on, then from the first of each piece of shells on.
 void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const std::vector<double>& areas,
                 BareSurface& surface) {
-  const auto beside = facets_beside(in, on_shell, surface);
-  if (surface.fault) return;
+  const auto beside = facets_beside(in, on_shell, surface.facets);
   std::vector<char> known(on_shell.size(), 0);
   const auto follow = [&](FacePiece& piece) {
     for (std::size_t i = 0; i < piece.facets.size(); ++i) {
@@ -137,8 +137,8 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
           known[at(next.facet)] = 1;
           surface.turned[at(next.facet)] = sense;
           piece.facets.push_back(next.facet);
-        } else if (surface.turned[at(next.facet)] != sense && !piece.on_solids && !surface.fault) {
-          surface.fault = one_sided(in, f, next);
+        } else if (surface.turned[at(next.facet)] != sense && !piece.on_solids) {
+          throw one_sided(in, f, next);
         }
       }
     }
@@ -360,7 +360,6 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
   std::vector<char> on_shell;
   for (const ElementFace& c : carried.carriers) on_shell.push_back(is_shell(model.domains[at(c.domain)].shape));
   wind_alike(in, on_shell, areas, surface);
-  if (surface.fault) return surface;
   FacetList wound;
   for (int f = 0; f < surface.facets.size(); ++f) {
     std::vector<int> facet(surface.facets.nodes.begin() + surface.facets.begin[at(f)],

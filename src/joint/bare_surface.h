@@ -1,6 +1,5 @@
 // src/joint/bare_surface.h – the facets of a rigid body's surface as one surface with one outside.
 #pragma once
-#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -17,12 +16,11 @@ struct BareSurface {
   std::vector<char> turned;                 ///< per facet: wound the other way than the model says
   std::unordered_map<int, int> stands_for;  ///< node -> the one at its place; of those that are not their own
   Findings findings;
-  std::optional<Fault> fault;  ///< of a surface that has no sides
 };
 
-/// Solids know their outside; facets on shells follow those beside them, in a piece of shells alone the greater part of
-/// its area. Which side is which partners tell (face_partner). `merge`: nodes that lie at one place, within 1e-6 of the
-/// facets' size, count as one.
+/// InputError: the surface has no sides. Solids know their outside; facets on shells follow those beside them, in a
+/// piece of shells alone the greater part of its area. Which side is which partners tell (face_partner). `merge`: nodes
+/// that lie at one place, within 1e-6 of the facets' size, count as one.
 BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, bool merge);
 
 /// Where a bare surface ends, and whether its body's mesh goes on there.

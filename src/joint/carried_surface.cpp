@@ -32,15 +32,15 @@ bool turn_outward(const JointModel& model, const ElementFace& c, std::vector<int
   return true;
 }
 
-Fault no_face(const JointModel& model, const Surface& s, int facet) {
+InputError no_face(const JointModel& model, const Surface& s, int facet) {
   std::string ids;
   for (int i = s.begin[at(facet)]; i < s.begin[at(facet) + 1]; ++i)
     ids += fmt::format("{}{}", ids.empty() ? "" : ",", model.node_ids[at(s.nodes[at(i)])]);
-  return make_fault(model, s.origin,
-                    say("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the mesh do "
-                        "not fit together,",
-                        s.name, facet + 1, ids),
-                    "define the surface again on this mesh");
+  return fault_at(model, s.origin,
+                  say("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the mesh do "
+                      "not fit together,",
+                      s.name, facet + 1, ids),
+                  "define the surface again on this mesh");
 }
 
 }  // namespace
@@ -51,15 +51,15 @@ void turn_round(std::vector<int>& facet) {
   if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
 }
 
-std::optional<Fault> volume_fault(const JointModel& model, const Domain& d, int element) {
+void check_volume(const JointModel& model, const Domain& d, int element) {
   const double volume = element_volume(model, d, element).volume;
-  if (volume > 0) return std::nullopt;
+  if (volume > 0) return;
   const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
   if (volume < 0)
-    return make_fault(model, d.origin, say("{} is inside out (volume {:g});", which, volume),
-                      "check the node order of its elements, and the coordinates of its nodes");
-  return make_fault(model, d.origin, say("{} has no volume;", which),
-                    "check its thickness and the positions of its nodes");
+    throw fault_at(model, d.origin, say("{} is inside out (volume {:g});", which, volume),
+                   "check the node order of its elements, and the coordinates of its nodes");
+  throw fault_at(model, d.origin, say("{} has no volume;", which),
+                 "check its thickness and the positions of its nodes");
 }
 
 CarriedSurface carry(const ModelParts& parts, int surface) {
@@ -67,20 +67,17 @@ CarriedSurface carry(const ModelParts& parts, int surface) {
   const Surface& s = model.surfaces[at(surface)];
   CarriedSurface out;
   if (s.size() == 0)
-    out.fault = make_fault(model, s.origin, say("surface \"{}\" has no facets:", s.name),
-                           "define it again, or take its contact out");
-  for (int f = 0; f < s.size() && !out.fault; ++f) {
+    throw fault_at(model, s.origin, say("surface \"{}\" has no facets:", s.name),
+                   "define it again, or take its contact out");
+  for (int f = 0; f < s.size(); ++f) {
     const ElementFace* c = carrier(parts, find_face(parts, s, f));
-    if (c == nullptr) {
-      out.fault = no_face(model, s, f);
-      break;
-    }
+    if (c == nullptr) throw no_face(model, s, f);
     out.carriers.push_back(*c);
     std::vector<int> facet(s.nodes.begin() + s.begin[at(f)], s.nodes.begin() + s.begin[at(f) + 1]);
     if (is_shell(model.domains[at(c->domain)].shape)) {
       out.on_shells = true;
     } else {
-      out.fault = volume_fault(model, model.domains[at(c->domain)], c->element);
+      check_volume(model, model.domains[at(c->domain)], c->element);
       out.turned += turn_outward(model, *c, facet) ? 1 : 0;
     }
     out.facets.add(facet);

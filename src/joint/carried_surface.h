@@ -1,9 +1,7 @@
 // src/joint/carried_surface.h – a surface of the model with the elements its facets are faces of.
 #pragma once
-#include <optional>
 #include <vector>
 
-#include "src/base/fault.h"
 #include "src/facts/parts.h"
 #include "src/joint/layer_face.h"
 
@@ -15,8 +13,8 @@ struct CarriedSurface {
   std::vector<ElementFace> carriers;  ///< one per facet
   bool on_shells = false;             ///< a shell has two sides: the surface's own orientation tells which
   int turned = 0;                     ///< facets that the model winds into their solid element
-  std::optional<Fault> fault;         ///< of the surface or an element; then the rest is not complete
 };
+/// InputError: a fault of the surface or an element.
 CarriedSurface carry(const ModelParts& parts, int surface);
 
 /// The facet's nodes the other way round.
@@ -25,7 +23,7 @@ void turn_round(std::vector<int>& facet);
 /// Deformable shells on the facets of a surface: their names, quoted.
 std::string deformable_shells(const ModelParts& parts, const Surface& surface);
 
-/// Of a solid element that is inside out or has no volume.
-std::optional<Fault> volume_fault(const JointModel& model, const Domain& domain, int element);
+/// InputError: a solid element is inside out or has no volume.
+void check_volume(const JointModel& model, const Domain& domain, int element);
 
 }  // namespace dea

@@ -122,10 +122,10 @@ double gap_beside(const ModelParts& parts, const SurfaceMesh& mesh, int region) 
 
 }  // namespace
 
-std::optional<Fault> touching_parts(const ContactSide& in, const Layer& layer) {
+void refuse_touching_parts(const ContactSide& in, const Layer& layer) {
   std::set<int> regions;
   for (int node : layer.region_nodes) regions.insert(in.parts.region[at(node)]);
-  if (regions.size() < 2) return std::nullopt;
+  if (regions.size() < 2) return;
   const SurfaceMesh& mesh = layer.articular;
   const double facet =
       std::sqrt(2 * std::accumulate(mesh.areas.begin(), mesh.areas.end(), 0.0) / std::max(mesh.size(), 1));
@@ -134,15 +134,15 @@ std::optional<Fault> touching_parts(const ContactSide& in, const Layer& layer) {
   bool touch = pair.has_value();
   for (auto region = regions.begin(); !touch && region != regions.end(); ++region)
     touch = gap_beside(in.parts, mesh, *region) < tolerance;
-  if (!touch) return std::nullopt;
+  if (!touch) return;
   const std::vector<int>& ids = in.parts.model.node_ids;
   const std::string where =
       pair ? fmt::format(", as nodes {} and {} do", ids[at((*pair)[0])], ids[at((*pair)[1])]) : "";
-  return refusal_of(in,
-                    say("lies on {} deformable parts that touch{}, but share no nodes: they slide past each other, and "
-                        "nothing that is squeezed flows from one to the other;",
-                        regions.size(), where),
-                    "merge their nodes where they are one cartilage, or keep them apart");
+  throw refusal_of(in,
+                   say("lies on {} deformable parts that touch{}, but share no nodes: they slide past each other, and "
+                       "nothing that is squeezed flows from one to the other;",
+                       regions.size(), where),
+                   "merge their nodes where they are one cartilage, or keep them apart");
 }
 
 }  // namespace dea

@@ -1,11 +1,9 @@
 // src/joint/compartments.h – the pieces of an articular surface that hang together: a tibia's medial and lateral
 // plateau.
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "src/base/fault.h"
 #include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
@@ -18,7 +16,7 @@ namespace dea {
 Compartments find_compartments(const JointModel& model, const CarriedSurface& carried, const SurfaceMesh& articular);
 
 /// Deformable parts of one layer that touch without sharing nodes: in FEBio they slide past each other there, and each
-/// would have a free rim here.
-std::optional<Fault> touching_parts(const ContactSide& in, const Layer& layer);
+/// would have a free rim here: InputError.
+void refuse_touching_parts(const ContactSide& in, const Layer& layer);
 
 }  // namespace dea

@@ -29,11 +29,10 @@ Vector3d reference_point(const ConnectionsDraft& draft, int body, const Vector3d
 }
 
 /// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
-void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind, Origin origin) {
+void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind) {
   const JointModel& model = draft.parts.model;
   Connections& c = draft.connections;
-  l.origin = origin;
-  l.where = where(model, origin);
+  l.where = where(model, l.origin);
   if (l.body_a == l.body_b) {
     c.findings.push_back({"joins-one-body", {.body = body_name(draft, l.body_a)}, {{"what", kind}, {"name", l.name}}});
     return;
@@ -42,7 +41,7 @@ void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind, Origin 
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length)) {
     c.fault =
-        make_fault(model, origin, say("{} \"{}\" has no length:", kind, l.name), "its two points coincide, move one");
+        make_fault(model, l.origin, say("{} \"{}\" has no length:", kind, l.name), "its two points coincide, move one");
     return;
   }
   c.ligaments.push_back(std::move(l));
@@ -50,16 +49,14 @@ void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind, Origin 
 
 void add_rigid_springs(ConnectionsDraft& draft) {
   for (const RigidSpring& s : draft.parts.model.rigid_springs) {
-    Ligament l;
-    l.name = s.name;
+    Ligament l{s};
     l.body_a = body_of_material(draft.parts, s.material_a);
     l.body_b = body_of_material(draft.parts, s.material_b);
     l.point_a = s.insertion_a;
     l.point_b = s.insertion_b;
     l.stiffness = given_value(draft.parts.settings, s.name, kStiffness).value_or(s.k);
     l.free_length = given_value(draft.parts.settings, s.name, kSlackLength).value_or(s.free_length);
-    l.step = s.step;
-    add_ligament(draft, l, "spring", s.origin);
+    add_ligament(draft, l, "spring");
     if (draft.connections.fault) return;
   }
 }
@@ -67,8 +64,8 @@ void add_rigid_springs(ConnectionsDraft& draft) {
 /// One spring of a set, between two nodes.
 void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, const std::array<int, 2>& pair) {
   const JointModel& model = draft.parts.model;
-  Ligament l;
-  l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
+  Ligament l{set};
+  if (set.name.empty()) l.name = model.discrete_sets[at(set.set)].name;
   l.body_a = draft.node_body[at(pair[0])];
   l.body_b = draft.node_body[at(pair[1])];
   for (int node : pair) {
@@ -96,8 +93,7 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
       l.scale.factor = *force;
     }
   }
-  l.step = set.step;
-  add_ligament(draft, l, "spring", set.origin);
+  add_ligament(draft, l, "spring");
 }
 
 void add_discrete_springs(ConnectionsDraft& draft) {
@@ -119,8 +115,7 @@ void add_discrete_springs(ConnectionsDraft& draft) {
 
 void add_axial_forces(ConnectionsDraft& draft) {
   for (const RigidAxialForce& f : draft.parts.model.rigid_axial_forces) {
-    Ligament l;
-    l.name = f.name;
+    Ligament l{f};
     l.law = Ligament::Law::Constant;
     l.body_a = body_of_material(draft.parts, f.material_a);
     l.body_b = body_of_material(draft.parts, f.material_b);
@@ -128,8 +123,7 @@ void add_axial_forces(ConnectionsDraft& draft) {
     l.point_b = reference_point(draft, l.body_b, f.point_b, f.from_centers);
     l.scale = f.force;
     l.scale.factor = given_value(draft.parts.settings, f.name, kForce).value_or(l.scale.factor);
-    l.step = f.step;
-    add_ligament(draft, l, "axial force", f.origin);
+    add_ligament(draft, l, "axial force");
     if (draft.connections.fault) return;
   }
 }
@@ -149,8 +143,7 @@ std::optional<Fault> cable_fault(const JointModel& model, const Cable& cable) {
 
 void add_cables(ConnectionsDraft& draft) {
   for (const RigidCable& c : draft.parts.model.rigid_cables) {
-    Cable cable;
-    cable.name = c.name;
+    Cable cable{c};
     for (const RigidCable::Point& p : c.points) {
       const int body = body_of_material(draft.parts, p.material);
       cable.points.push_back({body, reference_point(draft, body, p.position, c.from_centers)});
@@ -158,8 +151,6 @@ void add_cables(ConnectionsDraft& draft) {
     cable.force = c.force;
     cable.force.factor = given_value(draft.parts.settings, c.name, kForce).value_or(c.force.factor);
     if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
-    cable.step = c.step;
-    cable.origin = c.origin;
     draft.connections.fault = cable_fault(draft.parts.model, cable);
     if (draft.connections.fault) return;
     draft.connections.cables.push_back(std::move(cable));
@@ -169,17 +160,13 @@ void add_cables(ConnectionsDraft& draft) {
 void add_connectors(ConnectionsDraft& draft) {
   const ModelParts& parts = draft.parts;
   for (const RigidJoint& j : parts.model.rigid_joints) {
-    Connector c;
-    c.name = j.name;
-    c.type = j.type;
+    Connector c{j, j.type};
     c.body_a = body_of_material(parts, j.material_a);
     c.body_b = body_of_material(parts, j.material_b);
     c.point = j.joint_origin;
     c.axes = j.axes;
     c.motion = j.motion;
     c.value = j.value;
-    c.step = j.step;
-    c.origin = j.origin;
     if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0)) {
       draft.connections.fault =
           make_fault(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
@@ -217,8 +204,7 @@ void add_point_loads(ConnectionsDraft& draft) {
                        "DEA can load rigid bodies only: load a node of the bone, or use a rigid force");
         return;
       }
-      draft.connections.point_loads.push_back(
-          {f.name, body[at(node)], model.nodes[at(node)], f.value, f.controller, f.step, f.origin});
+      draft.connections.point_loads.push_back({f, body[at(node)], model.nodes[at(node)], f.value, f.controller});
     }
   }
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/facts/bodies.h"
 #include "src/model/joint_model.h"
 
@@ -15,64 +15,53 @@ namespace dea {
 struct ModelParts;
 
 /// A force along the line between points of two bodies: spring, ligament, muscle. L: its length now, L0: free_length.
-struct Ligament {
+struct Ligament : Condition {
   enum class Law {
     Linear,   ///< stiffness (L - L0); tension_only: never pushes
     Curve,    ///< scale * curve(measure of L and L0)
     Constant  ///< scale, whatever the length
   };
-  std::string name;
   int body_a = -1, body_b = -1;
   Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference positions
   Law law = Law::Linear;
   double stiffness = 0.0;    ///< force per elongation
   double free_length = 0.0;  ///< > 0
   bool tension_only = false;
-  std::optional<LoadController> curve;  ///< of Law::Curve, tension > 0
+  std::optional<LoadController> curve = {};  ///< of Law::Curve, tension > 0
   DiscreteSprings::Measure measure = DiscreteSprings::Measure::Elongation;
   Scaled scale = {1.0, -1};
-  int step = -1;
-  Origin origin;
-  std::string where;  ///< the same as text, before a fault: "hip.feb:12: "
+  std::string where = {};  ///< the same as text, before a fault: "hip.feb:12: "
 };
 
 /// A cable with the same tension everywhere, through points of bodies; beyond the last point it pulls along
 /// `direction`.
-struct Cable {
+struct Cable : Condition {
   struct Point {
     int body = -1;
     Vector3d position = Vector3d::Zero();  ///< reference
   };
-  std::string name;
-  std::vector<Point> points;
-  Scaled force;                           ///< the tension
+  std::vector<Point> points = {};
+  Scaled force = {};                      ///< the tension
   Vector3d direction = Vector3d::Zero();  ///< unit, fixed in space; zero: the cable ends at its last point
-  int step = -1;
-  Origin origin;
 };
 
 /// Two bodies joined at a point (docs/theory.md, section 4: J1-J4). Columns of `axes`: a frame that both bodies carry,
 /// at `point`, and that coincides in the reference.
-struct Connector {
-  std::string name, type;
+struct Connector : Condition {
+  std::string type;
   int body_a = -1, body_b = -1;
   Vector3d point = Vector3d::Zero();                   ///< reference position
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal
   std::array<RigidJoint::Motion, kDofs> motion = {};   ///< of B as seen from A: along and about A's axes
-  std::array<Scaled, kDofs> value;  ///< Prescribed: the motion; Free: force or moment on A, its opposite acts on B
-  int step = -1;
-  Origin origin;
+  std::array<Scaled, kDofs> value = {};  ///< Prescribed: the motion; Free: force or moment on A, its opposite acts on B
 };
 
 /// A force with a fixed direction at a point of a body.
-struct PointLoad {
-  std::string name;
+struct PointLoad : Condition {
   int body = -1;
   Vector3d point = Vector3d::Zero();  ///< reference position; moves with the body
   Vector3d value = Vector3d::Zero();
   int controller = -1;  ///< scales the vector
-  int step = -1;
-  Origin origin;
 };
 
 struct Connections {

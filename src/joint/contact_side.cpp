@@ -24,12 +24,12 @@ void find_planes(ContactSide& in) {
   in.in_plane = nodes_in_planes(in.parts.model.nodes, in.planes, holders.same_plane);
 }
 
-Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected) {
-  return make_fault(in.parts.model, in.surface.origin,
-                    say("contact \"{}\", surface \"{}\": {}", in.contact.name, in.surface.name, found), expected);
+InputError refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected) {
+  return fault_at(in.parts.model, in.surface.origin,
+                  say("contact \"{}\", surface \"{}\": {}", in.contact.name, in.surface.name, found), expected);
 }
 
-Fault unmeasured(const ContactSide& in, const char* why) {
+InputError unmeasured(const ContactSide& in, const char* why) {
   return refusal_of(in, say("the thickness of its layer cannot be measured, for {};", why),
                     say("give it in the contact as <{}>, or with {}", parameter_of(in, "thickness"),
                         NamedSetting{"thickness", in.surface.name, "VALUE"}));

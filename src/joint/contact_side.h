@@ -1,6 +1,6 @@
 // src/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
 #pragma once
-#include "src/base/fault.h"
+#include "src/base/error.h"
 #include "src/facts/given_layer.h"
 #include "src/facts/parts.h"
 
@@ -21,11 +21,11 @@ struct ContactSide {
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side);
 void find_planes(ContactSide& in);
 
-/// `contact "c", surface "s": found; expected`, at the surface's place.
-Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected);
+/// `contact "c", surface "s": found; expected`, at the surface's place; to be thrown.
+InputError refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected);
 
 /// Of a contact of type dea whose layer is to be measured, and cannot be.
-Fault unmeasured(const ContactSide& in, const char* why);
+InputError unmeasured(const ContactSide& in, const char* why);
 
 /// A setting of this surface, with the parameter of a contact of type dea that says the same.
 NamedSetting setting_of(const ContactSide& in, const char* setting, const char* value = "VALUE");

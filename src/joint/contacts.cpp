@@ -47,10 +47,10 @@ bool share_nodes(const SurfaceMesh& a, const SurfaceMesh& b) {
   return std::any_of(b.model_nodes.begin(), b.model_nodes.end(), [&](int node) { return nodes.count(node) > 0; });
 }
 
-/// Contacts of different names that press facets of the same cartilage: told in `findings`. A fault: the same facets
-/// twice, between the same bodies.
-std::optional<Fault> shared_layers(const JointModel& model, const std::vector<ContactPair>& others,
-                                   const ContactPair& pair, Findings& findings) {
+/// Contacts of different names that press facets of the same cartilage: told in `findings`. InputError: the same
+/// facets twice, between the same bodies.
+void check_shared_layers(const JointModel& model, const std::vector<ContactPair>& others, const ContactPair& pair,
+                         Findings& findings) {
   for (const ContactPair& other : others) {
     if (!at_same_time(pair.step, other.step)) continue;
     for (int side = 0; side < 2; ++side)
@@ -61,8 +61,8 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
         const bool same_partner = pair.layers[1 - side].body == other.layers[1 - other_side].body;
         const int twice = same_partner ? shared_triangles(a.articular, b.articular) : 0;
         if (twice > 0)
-          return make_fault(
-              model, model.contacts[at(pair.contact)].origin,
+          throw fault_at(
+              model, pair.origin,
               say("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" and \"{}\"), "
                   "which would count twice:",
                   other.name, pair.name, (twice + 1) / 2, one, two),
@@ -76,25 +76,22 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
                             same_partner ? 0 : 1});
       }
   }
-  return std::nullopt;
 }
 
 /// The same surfaces at the same time as a contact before.
-std::optional<Fault> doubled(const JointModel& model, const std::vector<ContactPair>& others, const Contact& c) {
+void refuse_doubled(const JointModel& model, const std::vector<ContactPair>& others, const Contact& c) {
   for (const ContactPair& other : others) {
     const Contact& o = model.contacts[at(other.contact)];
     if (double_contact(o, c))
-      return make_fault(model, c.origin,
-                        say("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would share the "
-                            "load between them;",
-                            o.name, c.name),
-                        say("keep one: {}", NamedSetting{"contact", "", o.name}));
+      throw fault_at(model, c.origin,
+                     say("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would share the "
+                         "load between them;",
+                         o.name, c.name),
+                     say("keep one: {}", NamedSetting{"contact", "", o.name}));
   }
-  return std::nullopt;
 }
 
-// ---- surfaces on shells
-// ----------------------------------------------------------------------------------------------
+// ---- surfaces on shells --------------------------------------------------------------------------------------------
 
 /// A shell surface has two sides: turns it to its partner. Solids know their outside.
 void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings) {
@@ -102,17 +99,13 @@ void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings)
     add_once(findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
 }
 
-// ---- one contact
-// -----------------------------------------------------------------------------------------------------
+// ---- one contact ---------------------------------------------------------------------------------------------------
 
 /// What its contact and the settings say of a pair; its layers are left empty. Throws UsageError where they contradict.
 ContactPair stated_pair(const ModelParts& parts, int contact) {
   const Contact& c = parts.model.contacts[at(contact)];
   const Settings& settings = parts.settings;
-  ContactPair pair;
-  pair.name = c.name;
-  pair.contact = contact;
-  pair.step = c.step;
+  ContactPair pair{c, contact};
   pair.source = c.dea ? c.dea->source : 0;
   pair.law = law_of(settings, c);
   pair.layer_fit = settings.layer_fit;
@@ -141,8 +134,8 @@ void refuse_many_springs(const ContactPair& pair) {
                                            NamedSetting{"refine", "", std::to_string(largest)})});
 }
 
-Fault no_cartilage(const JointModel& model, const Contact& c) {
-  return make_fault(
+InputError no_cartilage(const JointModel& model, const Contact& c) {
+  return fault_at(
       model, c.origin,
       say("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to compress;", c.name),
       say("give one a layer {}with {} {} {}",
@@ -151,14 +144,14 @@ Fault no_cartilage(const JointModel& model, const Contact& c) {
           NamedSetting{"nu", "SURFACE", "VALUE"}));
 }
 
-/// Layers that are next to nothing beside their facets: thickness in another unit. Empty: there are none.
-std::optional<Fault> too_thin_for_layer_law(const JointModel& model, const Contact& c, const ContactPair& pair) {
-  if (pair.law != Law::Layer) return std::nullopt;
+/// Layers that are next to nothing beside their facets: thickness in another unit.
+void refuse_too_thin(const JointModel& model, const Contact& c, const ContactPair& pair) {
+  if (pair.law != Law::Layer) return;
   for (const Layer& layer : pair.layers) {
     const int thin = layer.without_thickness(kLayerLawThickness), all = static_cast<int>(layer.thickness.size());
     if (2 * thin <= all) continue;
     const std::string& name = model.surfaces[at(layer.surface)].name;
-    return make_fault(
+    throw fault_at(
         model, c.origin,
         say("surface \"{}\": at {} of {} vertices its {}thickness, {:.3g} in the mean, is less than {:g}% of "
             "the facets' size, which law layer has no answer for;",
@@ -168,21 +161,19 @@ std::optional<Fault> too_thin_for_layer_law(const JointModel& model, const Conta
                               : say("check its bone surface and the units, give {}, or take {}",
                                     NamedSetting{"thickness", name, "VALUE"}, NamedSetting{"law", "", "linear"}));
   }
-  return std::nullopt;
 }
 
 /// Layers so auxetic that the search for law layer's pressures was not seen to end: on the hip and with a sphere on a
-/// flat layer it does at nu = -0.3 and does not at -0.35. Empty: there are none.
-std::optional<Fault> too_auxetic_for_layer_law(const JointModel& model, const Contact& c, const ContactPair& pair) {
+/// flat layer it does at nu = -0.3 and does not at -0.35.
+void refuse_too_auxetic(const JointModel& model, const Contact& c, const ContactPair& pair) {
   constexpr double kLeastNu = -0.3;
-  if (pair.law != Law::Layer) return std::nullopt;
+  if (pair.law != Law::Layer) return;
   for (const Layer& layer : pair.layers)
     if (!layer.rigid && layer.elasticity.nu < kLeastNu)
-      return make_fault(model, c.origin,
-                        say("surface \"{}\": nu = {:g}, and law layer has no answer for less than {:g};",
-                            model.surfaces[at(layer.surface)].name, layer.elasticity.nu, kLeastNu),
-                        say("check its sign, or take {}", NamedSetting{"law", "", "neo-Hookean"}));
-  return std::nullopt;
+      throw fault_at(model, c.origin,
+                     say("surface \"{}\": nu = {:g}, and law layer has no answer for less than {:g};",
+                         model.surfaces[at(layer.surface)].name, layer.elasticity.nu, kLeastNu),
+                     say("check its sign, or take {}", NamedSetting{"law", "", "neo-Hookean"}));
 }
 
 /// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
@@ -295,11 +286,12 @@ int source_of(const ModelParts& parts, const ContactPair& pair) {
 bool make_layers(const ModelParts& parts, const Contact& c, ContactPair& pair, std::vector<Fault>& faults) {
   bool good = true;
   for (int side = 0; side < 2; ++side) {
-    LayerFound found = make_layer(parts, c, side);
-    good = good && found.faults.empty();
-    for (const Fault& fault : found.faults)
-      if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
-    pair.layers[side] = std::move(found.layer);
+    try {
+      pair.layers[side] = make_layer(parts, c, side);
+    } catch (const InputError& error) {
+      good = false;
+      add_once(faults, error);
+    }
   }
   return good;
 }
@@ -314,28 +306,27 @@ void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
 }
 
 /// A contact whose layers are known joins the others, unless it joins a body with itself.
-std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found) {
+void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found) {
   const JointModel& model = parts.model;
   const Contact& c = model.contacts[at(pair.contact)];
   refuse_many_springs(pair);
-  if (auto fault = doubled(model, found.contacts, c)) return fault;
+  refuse_doubled(model, found.contacts, c);
   if (pair.layers[0].body == pair.layers[1].body) {
     found.findings.push_back(
         {"one-body", {.contact = c.name, .body = parts.bodies.bodies[at(pair.layers[0].body)].name}});
-    return std::nullopt;
+    return;
   }
-  if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
+  if (pair.layers[0].rigid && pair.layers[1].rigid) throw no_cartilage(model, c);
   turn_shells(parts, pair, found.findings);
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
-  if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;
-  if (auto fault = too_auxetic_for_layer_law(model, c, pair)) return fault;
+  refuse_too_thin(model, c, pair);
+  refuse_too_auxetic(model, c, pair);
   find_selected_faces(parts, pair);
   for (const Layer& layer : pair.layers) add_once(found.findings, layer_findings(parts, layer));
   pair.source = source_of(parts, pair);
-  if (auto fault = shared_layers(model, found.contacts, pair, found.findings)) return fault;
+  check_shared_layers(model, found.contacts, pair, found.findings);
   found.contacts.push_back(std::move(pair));
-  return std::nullopt;
 }
 
 }  // namespace
@@ -351,15 +342,13 @@ FoundContacts find_contacts(const ModelParts& parts, std::vector<Fault> faults) 
     if (c.kind != Contact::Kind::Sliding) continue;
     names.push_back(c.name);
     if (!wanted.empty() && c.name != wanted) continue;
-    std::optional<Fault> alone;
-    if (c.primary < 0 || c.secondary < 0) {
-      alone = make_fault(model, c.origin, say("contact \"{}\" lacks a surface:", c.name), "give it two");
-    } else {
+    try {
+      if (c.primary < 0 || c.secondary < 0)
+        throw fault_at(model, c.origin, say("contact \"{}\" lacks a surface:", c.name), "give it two");
       ContactPair pair = stated_pair(parts, i);
-      if (make_layers(parts, c, pair, found.faults)) alone = add_contact(parts, std::move(pair), found);
-    }
-    if (alone) {
-      found.faults = {*alone};
+      if (make_layers(parts, c, pair, found.faults)) add_contact(parts, std::move(pair), found);
+    } catch (const InputError& alone) {
+      found.faults = {alone.fault};
       return found;
     }
   }

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/joint/layer.h"
 
 namespace dea {
@@ -12,10 +12,9 @@ namespace dea {
 struct ModelParts;
 
 /// Two layers that slide on each other. layers[source] carries the springs, layers[1 - source] is their target.
-struct ContactPair {
-  std::string name;
-  int contact = -1;  ///< index into JointModel::contacts
-  Layer layers[2];   ///< primary, secondary
+struct ContactPair : Condition {
+  int contact = -1;      ///< index into JointModel::contacts
+  Layer layers[2] = {};  ///< primary, secondary
   int source = 0;
   Law law = Law::Linear;
   LayerFit layer_fit = LayerFit::TwoTerms;
@@ -23,7 +22,6 @@ struct ContactPair {
   Facets facets = Facets::Curved;
   /// Each spring triangle, and with Law::Layer each triangle of both layers' faces, is divided into refine^2.
   int refine = 1;
-  int step = -1;  ///< active only in this step; -1: in all
   const Layer& source_layer() const { return layers[source]; }
   const Layer& target_layer() const { return layers[1 - source]; }
 };

@@ -86,12 +86,11 @@ std::vector<BesideSide> sides_beside(const ContactSide& in) {
 /// The body that a side of a contact moves with; -1: it cannot be told.
 int body_of_side(const ModelParts& parts, const Contact& contact, int side) {
   const ContactSide in = contact_side(parts, contact, side);
-  const CarriedSurface carried = carry(parts, in.index);
-  if (carried.fault) return -1;
-  const Support support = find_support(in, carried);
-  if (support.fault) return -1;
-  const Attachment attachment = find_attachment(in, support);
-  return attachment.fault ? -1 : attachment.body;
+  try {
+    return find_attachment(in, find_support(in, carry(parts, in.index))).body;
+  } catch (const InputError&) {
+    return -1;
+  }
 }
 
 }  // namespace

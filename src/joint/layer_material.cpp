@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostModulus = 1e100;
 
 /// Facets on materials of different modulus, where no modulus was given for them all.
-std::optional<Fault> several_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets) {
+void refuse_several_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets) {
   const JointModel& model = in.parts.model;
   const auto modulus = [](const Material& x) {
     return std::isnan(x.E) ? std::string("no modulus known") : fmt::format("E {:g}, nu {:g}", x.E, x.nu);
@@ -21,23 +21,22 @@ std::optional<Fault> several_materials(const ContactSide& in, int material, cons
   for (const auto& entry : under_facets) {
     const Material &one = model.materials[at(entry.first)], &main = model.materials[at(material)];
     if (entry.first == material || (one.E == main.E && one.nu == main.nu) || (in.given.E && in.given.nu)) continue;
-    return refusal_of(
+    throw refusal_of(
         in,
         say("its facets lie on several materials (\"{}\": {}; \"{}\": {}), but a layer has one modulus here;",
             main.name, modulus(main), one.name, modulus(one)),
         say("split the surface, or give the modulus with {}", modulus_settings(in)));
   }
-  return std::nullopt;
 }
 
 /// Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and all.
-std::optional<Fault> deformable_bone(const ContactSide& in, int material, double E, const Material& other) {
-  if (other.E <= 5.0 * E) return std::nullopt;
+void refuse_deformable_bone(const ContactSide& in, int material, double E, const Material& other) {
+  if (other.E <= 5.0 * E) return;
   const std::string moduli = std::isnan(other.E) ? "no modulus known"
                                                  : fmt::format("E = {:g} against {:g} of \"{}\"", other.E, E,
                                                                in.parts.model.materials[at(material)].name);
-  return refusal_of(in, say("its part also holds material \"{}\" ({}), a deformable bone?", other.name, moduli),
-                    say("DEA keeps bones rigid: type {}", NamedSetting{"rigid", "", other.name}));
+  throw refusal_of(in, say("its part also holds material \"{}\" ({}), a deformable bone?", other.name, moduli),
+                   say("DEA keeps bones rigid: type {}", NamedSetting{"rigid", "", other.name}));
 }
 
 /// What is missing, at the line of who should have it: the material, the contact that gives the other one, or the
@@ -98,27 +97,26 @@ std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const
   return refusal_of(in, say("E = {:g}, nu = {:g};", E, nu),
                     say("need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed): "
                         "mend its material, or give others with {}",
-                        modulus_settings(in)));
+                        modulus_settings(in)))
+      .fault;
 }
 
-OtherMaterials other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
-                               const std::set<int>& in_part) {
+Findings other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
+                         const std::set<int>& in_part) {
   const JointModel& model = in.parts.model;
   const Material& own = model.materials[at(material)];
   const double E = in.given.E.value_or(own.E);
-  OtherMaterials result;
-  result.fault = several_materials(in, material, under_facets);
-  if (result.fault) return result;
+  Findings findings;
+  refuse_several_materials(in, material, under_facets);
   for (int m : in_part) {
     if (m == material) continue;
     const Material& other = model.materials[at(m)];
     if (in.given.has_thickness()) {
-      result.findings.push_back(
+      findings.push_back(
           {"other-material-rigid", {.surface = in.surface.name}, {{"material", own.name}, {"other", other.name}}});
       continue;
     }
-    result.fault = deformable_bone(in, material, E, other);
-    if (result.fault) return result;
+    refuse_deformable_bone(in, material, E, other);
     const double nu = in.given.nu.value_or(own.nu);  // what the user gives is of the whole part
     const double other_E = in.given.E.value_or(other.E), other_nu = in.given.nu.value_or(other.nu), ratio = other_E / E;
     const double confined = confined_modulus(other_E, other_nu) / confined_modulus(E, nu);
@@ -127,17 +125,15 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
     constexpr double kMostRatio = 1.25, kMostConfined = 1.6;
     const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
                                          other.name, other_E, other_nu);
-    if (ratio > kMostRatio || ratio < 1 / kMostRatio || confined > kMostConfined || confined < 1 / kMostConfined) {
-      result.fault = refusal_of(in, say("its part consists of {}, but a layer has one modulus here;", both),
-                                say("give one for all of it with {}, or make parts that are no cartilage rigid with {}",
-                                    modulus_settings(in), NamedSetting{"rigid", "", other.name}));
-      return result;
-    }
-    result.findings.push_back({"first-material-for-all",
-                               {.surface = in.surface.name},
-                               {{"materials", both}, {"give_E", NamedSetting{"E"}}, {"give_nu", NamedSetting{"nu"}}}});
+    if (ratio > kMostRatio || ratio < 1 / kMostRatio || confined > kMostConfined || confined < 1 / kMostConfined)
+      throw refusal_of(in, say("its part consists of {}, but a layer has one modulus here;", both),
+                       say("give one for all of it with {}, or make parts that are no cartilage rigid with {}",
+                           modulus_settings(in), NamedSetting{"rigid", "", other.name}));
+    findings.push_back({"first-material-for-all",
+                        {.surface = in.surface.name},
+                        {{"materials", both}, {"give_E", NamedSetting{"E"}}, {"give_nu", NamedSetting{"nu"}}}});
   }
-  return result;
+  return findings;
 }
 
 }  // namespace dea

@@ -17,12 +17,8 @@ Elasticity layer_elasticity(const ContactSide& in, int material);
 std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const Elasticity& elasticity);
 
 /// One modulus stands for the whole layer. `under_facets`: material -> facets; `in_part`: all materials of its
-/// deformable part. A little difference is told; another tissue, or a bone that is deformable, is a fault.
-struct OtherMaterials {
-  Findings findings;
-  std::optional<Fault> fault;
-};
-OtherMaterials other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
-                               const std::set<int>& in_part);
+/// deformable part. A little difference is told; another tissue, or a bone that is deformable, is an InputError.
+Findings other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
+                         const std::set<int>& in_part);
 
 }  // namespace dea

@@ -26,7 +26,7 @@ bool bone_shell(const ContactSide& in, const Domain& d) {
 }
 
 /// A layer nothing holds: usually its bone is deformable, of another material of the same part.
-Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage) {
+InputError not_held(const ContactSide& in, int region, bool of_several, int cartilage) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   const auto touches = [&](const Domain& d) {  // solids lie in one part with all their nodes, shells on it with some
@@ -73,7 +73,7 @@ Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage
       bones.empty() ? attach : say("take its bone as rigid with {}, or {}", bones, attach));
 }
 
-Fault held_by_several(const ContactSide& in, const Support& support, const std::map<int, std::string>& holders) {
+InputError held_by_several(const ContactSide& in, const Support& support, const std::map<int, std::string>& holders) {
   std::string list;
   for (const auto& h : holders) list += (list.empty() ? "" : "; ") + h.second;
   const auto moved = std::count_if(holders.begin(), holders.end(), [&](const auto& h) {
@@ -97,7 +97,7 @@ Attachment attached_by_user(const ContactSide& in, const std::string& name) {
   if (body < 0)
     throw UsageError(Fault{.given = NamedSetting{"attach", in.surface.name, name},
                            .found = no_such_name("rigid body", name, body_names(bodies.bodies))});
-  return {body, "attached by the user", {}};
+  return {body, "attached by the user"};
 }
 
 }  // namespace
@@ -113,29 +113,25 @@ Support find_support(const ContactSide& in, const CarriedSurface& carried) {
   Support support;
   for (const ElementFace& c : carried.carriers) {
     const Domain& d = parts.model.domains[at(c.domain)];
-    if (d.material < 0) {
-      support.fault = refusal_of(in, say("its elements \"{}\" have no material (no domain in MeshDomains);", d.name),
-                                 "give them one");
-      return support;
-    }
+    if (d.material < 0)
+      throw refusal_of(in, say("its elements \"{}\" have no material (no domain in MeshDomains);", d.name),
+                       "give them one");
     if (parts.rigid[at(d.material)] && !deformable(parts, d)) {
       support.bodies.insert(parts.bodies.of_material[at(d.material)]);
     } else if (is_shell(d.shape)) {
-      support.fault = refusal_of(
+      throw refusal_of(
           in, say("lies on deformable shells (\"{}\");", d.name),
           say("DEA needs a solid cartilage layer or a rigid surface: mesh the layer with solid elements, or take the "
               "shells as rigid with {} (and, if the other side is rigid too, give cartilage with {} {})",
               NamedSetting{"rigid", "", parts.model.materials[at(d.material)].name}, setting_of(in, "thickness"),
               modulus_settings(in)));
-      return support;
     } else {
       support.regions.insert(parts.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
       ++support.materials[d.material];
     }
   }
   if (!support.regions.empty() && !support.bodies.empty())
-    support.fault =
-        refusal_of(in, "lies partly on rigid, partly on deformable elements;", "split it into two surfaces");
+    throw refusal_of(in, "lies partly on rigid, partly on deformable elements;", "split it into two surfaces");
   return support;
 }
 
@@ -145,29 +141,21 @@ Attachment find_attachment(const ContactSide& in, const Support& support) {
   Attachment found;
   if (!name.empty()) found = attached_by_user(in, name);
   if (rigid && support.bodies.size() > 1)
-    found.fault = refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
-  if (found.body >= 0 || found.fault) return found;
-  if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself", {}};
+    throw refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
+  if (found.body >= 0) return found;
+  if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself"};
   std::map<int, std::string> holders;
   for (int region : support.regions) {
     const auto held = in.parts.holders.of_region.find(region);
-    if (held != in.parts.holders.of_region.end() && !held->second.empty()) {
-      holders.insert(held->second.begin(), held->second.end());
-    } else if (in.contact.dea && in.parts.rigid[at(support.main_material())]) {
-      found.fault = unmeasured(in, "its elements share no nodes with the bone under them");
-      return found;
-    } else {
-      found.fault = not_held(in, region, support.regions.size() > 1, support.main_material());
-      return found;
+    if (held == in.parts.holders.of_region.end() || held->second.empty()) {
+      if (in.contact.dea && in.parts.rigid[at(support.main_material())])
+        throw unmeasured(in, "its elements share no nodes with the bone under them");
+      throw not_held(in, region, support.regions.size() > 1, support.main_material());
     }
+    holders.insert(held->second.begin(), held->second.end());
   }
-  if (holders.size() > 1) {
-    found.fault = held_by_several(in, support, holders);
-  } else {
-    found.body = holders.begin()->first;
-    found.by = holders.begin()->second;
-  }
-  return found;
+  if (holders.size() > 1) throw held_by_several(in, support, holders);
+  return {holders.begin()->first, holders.begin()->second};
 }
 
 LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& regions) {
@@ -180,8 +168,7 @@ LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& 
       if (regions.count(parts.region[at(d.nodes[e * at(n)])]) == 0) continue;
       part.materials.insert(d.material);
       for (int k = 0; k < n; ++k) nodes.insert(d.nodes[e * at(n) + at(k)]);
-      part.fault = volume_fault(parts.model, d, static_cast<int>(e));
-      if (part.fault) return part;
+      check_volume(parts.model, d, static_cast<int>(e));
     }
   }
   part.nodes.assign(nodes.begin(), nodes.end());

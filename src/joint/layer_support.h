@@ -1,7 +1,6 @@
 // src/joint/layer_support.h – what a layer rests on: the parts under its facets, the body it moves with.
 #pragma once
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,28 +15,27 @@ struct Support {
   std::set<int> regions;         ///< deformable parts; empty: rigid
   std::set<int> bodies;          ///< rigid ones under the facets
   std::map<int, int> materials;  ///< deformable material -> facets
-  std::optional<Fault> fault;
   /// The material under most of the facets.
   int main_material() const;
 };
+/// InputError: they are none, or both.
 Support find_support(const ContactSide& in, const CarriedSurface& carried);
 
 /// The body a layer moves with.
 struct Attachment {
   int body = -1;
   std::string by;  ///< the rule that found it, as a sentence
-  std::optional<Fault> fault;
 };
-/// As the user says, or what bears the facets, or what holds all their parts. Throws UsageError for a body there is
-/// not.
+/// As the user says, or what bears the facets, or what holds all their parts. InputError: there is not one body. Throws
+/// UsageError for a body there is not.
 Attachment find_attachment(const ContactSide& in, const Support& support);
 
 /// The elements of the layer's parts.
 struct LayerElements {
   std::vector<int> nodes;  ///< ascending
   std::set<int> materials;
-  std::optional<Fault> fault;  ///< of an element without volume
 };
+/// InputError: one has no volume.
 LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& regions);
 
 }  // namespace dea

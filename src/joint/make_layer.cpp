@@ -41,28 +41,26 @@ std::vector<LayerElement> region_elements(const ModelParts& parts, const std::se
 struct LayerDraft {
   Layer layer;
   LayerBoundary boundary;  // of a layer with elements
-  std::vector<Fault> faults;
 };
 
-std::optional<Fault> repeated_facet(const ContactSide& in) {
+void refuse_repeated_facet(const ContactSide& in) {
   const Surface& s = in.surface;
   std::map<FaceKey, int> facet_at;
   for (int f = 0; f < s.size(); ++f) {
     const auto first = facet_at.try_emplace(
         face_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
     if (!first.second)
-      return refusal_of(
+      throw refusal_of(
           in, say("facets {} and {} are the same; its springs would count twice:", first.first->second + 1, f + 1),
           "list each facet once");
   }
-  return std::nullopt;
 }
 
 /// No thickness: what else is missing is told too.
-std::vector<Fault> no_thickness(const ContactSide& in, int material, const Sentence& found, const Sentence& expected) {
-  std::vector<Fault> faults = {refusal_of(in, found, expected)};
-  if (auto modulus = elasticity_fault(in, material, layer_elasticity(in, material))) faults.push_back(*modulus);
-  return faults;
+InputError no_thickness(const ContactSide& in, int material, const Sentence& found, const Sentence& expected) {
+  InputError error = refusal_of(in, found, expected);
+  if (auto modulus = elasticity_fault(in, material, layer_elasticity(in, material))) error.others = {*modulus};
+  return error;
 }
 
 Sentence name_bone_or_thickness(const ContactSide& in) {
@@ -73,8 +71,8 @@ Sentence name_bone_or_thickness(const ContactSide& in) {
 // ---- facets that are left out --------------------------------------------------------------------------------------
 
 /// Leaves out facets that are no articular face, as the boundary tells them.
-std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
-                                    Layer& layer) {
+void leave_out_facets(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
+                      Layer& layer) {
   const Surface& s = in.surface;
   const auto& keep = in.parts.settings.keep_facets;
   std::vector<FaceKind> kinds = kinds_of(boundary, carried.facets);
@@ -85,9 +83,9 @@ std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface&
       (all_turned && in.given.has_thickness()))
     kinds.clear();
   layer.facet_kinds = kinds;
-  if (kinds.empty()) return {};
+  if (kinds.empty()) return;
   if (all_turned)
-    return no_thickness(
+    throw no_thickness(
         in, layer.material,
         say("all its facets ({}) turn away from the bone of body \"{}\", as side walls do: this is no layer of "
             "cartilage on a bone;",
@@ -95,13 +93,12 @@ std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface&
         say("select the articular face, {}", name_bone_or_thickness(in)));
   const std::string why = mostly_left_out(in.parts.model, carried.facets, kinds);
   if (!why.empty())
-    return {refusal_of(in, why,
-                       say("select the articular face alone, or take all facets as they are with {}",
-                           NamedSetting{"keep-facets", "", s.name}))};
+    throw refusal_of(in, why,
+                     say("select the articular face alone, or take all facets as they are with {}",
+                         NamedSetting{"keep-facets", "", s.name}));
   const FacetList kept = kept_facets(carried.facets, kinds);
   layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes, nullptr, in.in_plane);
   if (facets_of(in.parts.settings, in.contact) == Facets::Flat) flatten(layer.articular);
-  return {};
 }
 
 // ---- the bone surface ----------------------------------------------------------------------------------------------
@@ -134,9 +131,9 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
 
 /// A layer on another deformable part, by a tie: what is bonded to bone is that part's other side. Taken for bone
 /// itself it would make the layer too thin and too stiff.
-std::optional<Fault> tied_to_soft_part(const ContactSide& in, const Support& support) {
+void refuse_soft_support(const ContactSide& in, const Support& support) {
   const ModelParts& parts = in.parts;
-  if (in.given.has_thickness() || !said_of(parts.settings.bone, in.surface.name).empty()) return std::nullopt;
+  if (in.given.has_thickness() || !said_of(parts.settings.bone, in.surface.name).empty()) return;
   for (int region : support.regions) {
     const auto tie = parts.holders.soft_ties.find(region);
     if (tie == parts.holders.soft_ties.end()) continue;
@@ -156,14 +153,12 @@ std::optional<Fault> tied_to_soft_part(const ContactSide& in, const Support& sup
     }
     const Sentence one_mesh =
         say("if both are cartilage, mesh them as one layer that shares nodes, or {}", name_bone_or_thickness(in));
-    return refusal_of(
-        in,
-        say("its layer is tied (\"{}\") to a deformable part of material {}, not to bone: it would lie on "
-            "something that gives way;",
-            tie->second.contact, names),
-        of_layer ? one_mesh : say("take that part as bone with {}, or, {}", rigid, one_mesh));
+    throw refusal_of(in,
+                     say("its layer is tied (\"{}\") to a deformable part of material {}, not to bone: it would lie on "
+                         "something that gives way;",
+                         tie->second.contact, names),
+                     of_layer ? one_mesh : say("take that part as bone with {}, or, {}", rigid, one_mesh));
   }
-  return std::nullopt;
 }
 
 /// Finds what the layer is bonded to: boundary and bone surface of the draft.
@@ -181,12 +176,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
     throw UsageError(Fault{.given = NamedSetting{"bone", in.surface.name, name},
                            .found = no_such_name("surface", name, surface_names(model))});
   if (named >= 0) {
-    const CarriedSurface bone = carry(parts, named);
-    if (bone.fault) {
-      draft.faults = {*bone.fault};
-      return;
-    }
-    draft.layer.bone = named_bone(in, bone.facets, carried, draft.boundary, draft.layer.articular);
+    draft.layer.bone = named_bone(in, carry(parts, named).facets, carried, draft.boundary, draft.layer.articular);
   } else {
     draft.layer.bone = bonded_surface(model, draft.boundary, in.in_plane);
   }
@@ -197,9 +187,9 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
 }
 
 /// Nodes that the bone holds deeper in the layer than its face: the layer ends there, not at the face.
-std::optional<Fault> held_inside(const ContactSide& in, const std::set<int>& regions, const LayerDraft& draft) {
+void refuse_held_inside(const ContactSide& in, const std::set<int>& regions, const LayerDraft& draft) {
   const LayerBoundary& boundary = draft.boundary;
-  if (in.given.has_thickness() || !said_of(in.parts.settings.bone, in.surface.name).empty()) return std::nullopt;
+  if (in.given.has_thickness() || !said_of(in.parts.settings.bone, in.surface.name).empty()) return;
   const JointModel& model = in.parts.model;
   std::set<int> held;
   for (const LayerElement& e : region_elements(in.parts, regions)) {
@@ -212,49 +202,44 @@ std::optional<Fault> held_inside(const ContactSide& in, const std::set<int>& reg
       }
   }
   for (int node : boundary.faces.nodes) held.erase(node);
-  if (held.empty()) return std::nullopt;
-  return refusal_of(in,
-                    say("{} inside its layer (node {}), held by body \"{}\", away from the layer's faces: it is "
-                        "thinner there than the mesh is;",
-                        held.size() == 1 ? "1 node is" : fmt::format("{} nodes are", held.size()),
-                        model.node_ids[at(*held.begin())], in.parts.bodies.bodies[at(draft.layer.body)].name),
-                    say("hold the nodes of its bone face alone, or {}", name_bone_or_thickness(in)));
+  if (held.empty()) return;
+  throw refusal_of(in,
+                   say("{} inside its layer (node {}), held by body \"{}\", away from the layer's faces: it is "
+                       "thinner there than the mesh is;",
+                       held.size() == 1 ? "1 node is" : fmt::format("{} nodes are", held.size()),
+                       model.node_ids[at(*held.begin())], in.parts.bodies.bodies[at(draft.layer.body)].name),
+                   say("hold the nodes of its bone face alone, or {}", name_bone_or_thickness(in)));
 }
 
 /// No face of the layer is bonded to its body: without a bone surface the thickness must be given.
-std::vector<Fault> do_without_bone(const ContactSide& in, Layer& layer) {
+void do_without_bone(const ContactSide& in, Layer& layer) {
   const NamedSetting bone = setting_of(in, "bone", "SURFACE");
   if (!in.given.has_thickness())
-    return no_thickness(in, layer.material,
-                        say("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone "
-                            "surface to measure the thickness to;",
-                            in.parts.bodies.bodies[at(layer.body)].name),
-                        say("name it with {} or give {}", bone, setting_of(in, "thickness")));
+    throw no_thickness(in, layer.material,
+                       say("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone "
+                           "surface to measure the thickness to;",
+                           in.parts.bodies.bodies[at(layer.body)].name),
+                       say("name it with {} or give {}", bone, setting_of(in, "thickness")));
   if (layer.springs_at == SpringsAt::Bone)
-    return {refusal_of(in, say("{} needs a bone surface;", NamedSetting{"springs-at", "", "bone"}),
-                       say("name it with {}", bone))};
+    throw refusal_of(in, say("{} needs a bone surface;", NamedSetting{"springs-at", "", "bone"}),
+                     say("name it with {}", bone));
   layer.bone = layer.articular;
-  return {};
 }
 
-// ---- a bare surface of a rigid body, and a layer of elements
-// ---------------------------------------------------------
+// ---- a bare surface of a rigid body, and a layer of elements -------------------------------------------------------
 
 Sentence use_articular_springs() { return say("use {}", NamedSetting{"springs-at", "", "articular"}); }
 
-void finish_bare_surface(const ContactSide& in, LayerDraft& draft) {
-  Layer& layer = draft.layer;
+void finish_bare_surface(const ContactSide& in, Layer& layer) {
   const GivenLayer& given = in.given;
-  if (in.contact.dea && !given.has_thickness() && (given.E || given.nu)) {
-    draft.faults = {unmeasured(in, "it does not lie on solid elements")};
-    return;
-  }
+  if (in.contact.dea && !given.has_thickness() && (given.E || given.nu))
+    throw unmeasured(in, "it does not lie on solid elements");
   layer.rigid = !given.map && given.nodes == nullptr && given.thickness.value_or(0.0) == 0.0;
   if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
-    draft.faults = {refusal_of(in,
-                               "a thickness given for a bare rigid surface lies under that surface, and the bone under "
-                               "it is not in the model:",
-                               use_articular_springs())};
+    throw refusal_of(in,
+                     "a thickness given for a bare rigid surface lies under that surface, and the bone under "
+                     "it is not in the model:",
+                     use_articular_springs());
   const bool for_all = in.contact.dea == std::nullopt && in.parts.settings.thickness.count(in.surface.name) == 0;
   if (!layer.rigid && for_all && given.thickness)
     layer.findings.push_back({"cartilage-on-bare-surface",
@@ -269,38 +254,24 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
   Layer& layer = draft.layer;
   layer.material = support.main_material();
   LayerElements part = find_layer_elements(in.parts, support.regions);
-  if (part.fault) {
-    draft.faults = {*part.fault};
-    return;
-  }
   layer.region_nodes = std::move(part.nodes);
-  OtherMaterials others = other_materials(in, layer.material, support.materials, part.materials);
-  if (others.fault) {
-    draft.faults = {*others.fault};
-    return;
-  }
-  add_once(layer.findings, others.findings);
-  if (const auto fault = tied_to_soft_part(in, support)) {
-    draft.faults = {*fault};
-    return;
-  }
+  add_once(layer.findings, other_materials(in, layer.material, support.materials, part.materials));
+  refuse_soft_support(in, support);
   find_bone(in, carried, support.regions, draft);
-  if (const auto fault = held_inside(in, support.regions, draft); fault && draft.faults.empty())
-    draft.faults = {*fault};
-  if (draft.faults.empty()) draft.faults = leave_out_facets(in, carried, draft.boundary, layer);
-  if (draft.faults.empty() && layer.bone.size() == 0) draft.faults = do_without_bone(in, layer);
-  if (auto fault = touching_parts(in, layer); fault && draft.faults.empty()) draft.faults = {*fault};
+  refuse_held_inside(in, support.regions, draft);
+  leave_out_facets(in, carried, draft.boundary, layer);
+  if (layer.bone.size() == 0) do_without_bone(in, layer);
+  refuse_touching_parts(in, layer);
 }
 
-// ---- thickness
-// -------------------------------------------------------------------------------------------------------
+// ---- thickness -----------------------------------------------------------------------------------------------------
 
 /// The articular vertices' values in the user's file. None may be missing: what is between would be guessed.
-std::vector<Fault> take_nodes(const ContactSide& in, Layer& layer) {
+void take_nodes(const ContactSide& in, Layer& layer) {
   const NodeThickness& said = *in.given.nodes;
   const JointModel& model = in.parts.model;
   if (layer.springs_at == SpringsAt::Bone)
-    return {refusal_of(in, "its thickness is given at nodes of the articular surface:", use_articular_springs())};
+    throw refusal_of(in, "its thickness is given at nodes of the articular surface:", use_articular_springs());
   std::vector<int> missing;
   layer.thickness.clear();
   for (int node : layer.articular.model_nodes) {
@@ -310,18 +281,18 @@ std::vector<Fault> take_nodes(const ContactSide& in, Layer& layer) {
   }
   if (!missing.empty()) {
     std::sort(missing.begin(), missing.end());
-    return {Fault{.place = said.file,
-                  .found = say("found no thickness for {} of the {} nodes of surface \"{}\" ({});", missing.size(),
-                               layer.thickness.size(), in.surface.name, number_list(missing)),
-                  .expected = "give one for every node"}};
+    throw InputError(Fault{.place = said.file,
+                           .found = say("found no thickness for {} of the {} nodes of surface \"{}\" ({});",
+                                        missing.size(), layer.thickness.size(), in.surface.name, number_list(missing)),
+                           .expected = "give one for every node"});
   }
   layer.missed.assign(layer.thickness.size(), 0);
   layer.thickness_given = true;
   layer.thickness_from = said.file;
-  if (layer.mean_thickness() > 0) return {};
-  return {Fault{.place = said.file,
-                .found = say("found thickness 0 at every node of surface \"{}\";", in.surface.name),
-                .expected = "give the cartilage's"}};
+  if (layer.mean_thickness() > 0) return;
+  throw InputError(Fault{.place = said.file,
+                         .found = say("found thickness 0 at every node of surface \"{}\";", in.surface.name),
+                         .expected = "give the cartilage's"});
 }
 
 /// How the user's file was taken.
@@ -339,15 +310,15 @@ Finding thickness_from_file(const ContactSide& in) {
           others > 0 ? 1 : 0};
 }
 
-std::vector<Fault> take_map(const ContactSide& in, Layer& layer) {
+void take_map(const ContactSide& in, Layer& layer) {
   if (layer.springs_at == SpringsAt::Bone)
-    return {refusal_of(in, "its thickness is a map on the articular surface:", use_articular_springs())};
+    throw refusal_of(in, "its thickness is a map on the articular surface:", use_articular_springs());
   layer.thickness = mapped_thickness(in.surface, in.contact.dea->layers[in.side].thickness_map, layer.articular);
   layer.missed.assign(layer.thickness.size(), 0);
   layer.thickness_given = true;
-  if (layer.mean_thickness() > 0) return {};
-  return {refusal_of(
-      in, "its thickness map is zero everywhere:", say("mend the map, or give {}", NamedSetting{"thickness"}))};
+  if (!(layer.mean_thickness() > 0))
+    throw refusal_of(
+        in, "its thickness map is zero everywhere:", say("mend the map, or give {}", NamedSetting{"thickness"}));
 }
 
 void take_number(const ContactSide& in, double thickness, Layer& layer) {
@@ -363,35 +334,37 @@ void take_number(const ContactSide& in, double thickness, Layer& layer) {
   layer.thickness_given = true;
 }
 
-std::vector<Fault> measure(const ContactSide& in, Layer& layer) {
+void measure(const ContactSide& in, Layer& layer) {
   MeasuredThickness measured = layer.springs_at == SpringsAt::Bone
                                    ? measure_thickness_from_bone(layer.bone, layer.articular)
                                    : measure_thickness(layer.articular, layer.bone);
   layer.thickness = std::move(measured.thickness);
   layer.missed = std::move(measured.missed);
   if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
-    return no_thickness(
+    throw no_thickness(
         in, layer.material,
         say("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage on a bone, "
             "and closest points would give it a thickness that means nothing;",
             in.parts.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size()),
         name_bone_or_thickness(in));
-  if (layer.mean_thickness() > 0) return {};
-  return {refusal_of(in, "its layer has no thickness: the articular and the bone surface are the same;",
-                     name_bone_or_thickness(in))};
+  if (!(layer.mean_thickness() > 0))
+    throw refusal_of(in, "its layer has no thickness: the articular and the bone surface are the same;",
+                     name_bone_or_thickness(in));
 }
 
-std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
+void find_thickness(const ContactSide& in, Layer& layer) {
   if (layer.rigid) {
     layer.thickness.assign(layer.spring_surface().vertices.size(), 0.0);
     layer.missed.assign(layer.thickness.size(), 0);
-    return {};
+  } else if (in.given.nodes != nullptr) {
+    take_nodes(in, layer);
+  } else if (in.given.map) {
+    take_map(in, layer);
+  } else if (in.given.thickness) {
+    take_number(in, *in.given.thickness, layer);
+  } else {
+    measure(in, layer);
   }
-  if (in.given.nodes != nullptr) return take_nodes(in, layer);
-  if (in.given.map) return take_map(in, layer);
-  if (!in.given.thickness) return measure(in, layer);
-  take_number(in, *in.given.thickness, layer);
-  return {};
 }
 
 /// A bone surface that the user names need not be of the layer's own elements. A gap between them counts as cartilage.
@@ -421,33 +394,31 @@ Findings gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
 }
 
 /// Far thicker than the surface is wide: a slip of units or digits, with which numbers end in nothing.
-std::vector<Fault> too_thick(const ContactSide& in, const Layer& layer) {
+void refuse_too_thick(const ContactSide& in, const Layer& layer) {
   constexpr double kMostThickness = 1000.0;  // of the surface's width
-  if (layer.rigid) return {};
+  if (layer.rigid) return;
   Vector3d least = layer.articular.vertices.front(), most = least;
   for (const Vector3d& x : layer.articular.vertices) {
     least = least.cwiseMin(x);
     most = most.cwiseMax(x);
   }
   const double width = (most - least).norm();
-  if (layer.max_thickness() <= kMostThickness * width) return {};
-  return {refusal_of(in, say("its thickness is {:g}, and the whole surface {:g} across;", layer.max_thickness(), width),
-                     "give it in the model's length")};
+  if (layer.max_thickness() > kMostThickness * width)
+    throw refusal_of(in, say("its thickness is {:g}, and the whole surface {:g} across;", layer.max_thickness(), width),
+                     "give it in the model's length");
 }
 
 /// The elements of a layer that is rigid with its bone, known by the map that was made of them.
-std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, LayerDraft& draft) {
+void take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, LayerDraft& draft) {
   Layer& layer = draft.layer;
   const std::vector<double>& map = in.contact.dea->layers[in.side].thickness_map;
   draft.boundary = rigid_boundary(in, carried, layer, map);
-  if (draft.boundary.faces.size() == 0) return {};
-  const std::vector<Fault> faults = leave_out_facets(in, carried, draft.boundary, layer);
-  if (!faults.empty()) return faults;
+  if (draft.boundary.faces.size() == 0) return;
+  leave_out_facets(in, carried, draft.boundary, layer);
   layer.bone = layer.articular;
   if (in.given.nodes != nullptr) return take_nodes(in, layer);
   layer.thickness = mapped_thickness(in.surface, map, layer.articular);
   layer.missed.assign(layer.thickness.size(), 0);
-  return {};
 }
 
 /// A modulus or Poisson's ratio that the user names for a surface without cartilage.
@@ -488,9 +459,8 @@ void scale_thickness(const ContactSide& in, Layer& layer) {
 }
 
 /// The surface with the body it moves with.
-LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Support& support) {
-  LayerDraft draft;
-  Layer& layer = draft.layer;
+Layer begin(const ContactSide& in, const CarriedSurface& carried, const Support& support) {
+  Layer layer;
   layer.surface = in.index;
   layer.planes = in.planes;
   layer.springs_at = in.parts.settings.springs_at;
@@ -501,26 +471,19 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   FacetList facets = carried.facets;
   if (support.regions.empty()) {  // the elements under a map on solids know their own nodes
     BareSurface bare = bare_surface(in, carried, carried.on_shells || !in.given.map);
-    if (bare.fault) {
-      draft.faults = {*bare.fault};
-      return draft;
-    }
     facets = std::move(bare.facets);
     layer.turned = std::move(bare.turned);
     layer.stands_for = std::move(bare.stands_for);
     add_once(layer.findings, bare.findings);
   }
   layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero, in.in_plane);
-  if (!zero.empty()) {
-    draft.faults = {refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
-                               "repair the mesh")};
-    return draft;
-  }
+  if (!zero.empty())
+    throw refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
+                     "repair the mesh");
   Attachment attachment = find_attachment(in, support);
-  if (attachment.fault) draft.faults = {*attachment.fault};
   layer.body = attachment.body;
   layer.attached_by = std::move(attachment.by);
-  return draft;
+  return layer;
 }
 
 /// Modulus, thickness and what is beyond the rim, once both surfaces are known.
@@ -534,39 +497,37 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   for (int node : layer.articular.model_nodes) layer.mirror.push_back(in.parts.holders.mirror[at(node)]);
   if (!layer.rigid) {
     layer.elasticity = layer_elasticity(in, layer.material);
-    if (const auto fault = elasticity_fault(in, layer.material, layer.elasticity)) draft.faults = {*fault};
+    if (const auto fault = elasticity_fault(in, layer.material, layer.elasticity)) throw InputError(*fault);
   }
-  if (draft.faults.empty()) draft.faults = find_thickness(in, layer);
+  find_thickness(in, layer);
   const bool on_articular = layer.springs_at == SpringsAt::Articular;
-  if (draft.faults.empty() && !on_elements && in.given.map && on_articular)
-    draft.faults = take_rigid_elements(in, carried, draft);
-  if (draft.faults.empty() && in.given.nodes != nullptr) layer.findings.push_back(thickness_from_file(in));
-  if (draft.faults.empty() && on_elements)
-    add_once(layer.findings, gap_to_named_bone(in, carried, draft.boundary, layer));
-  if (draft.faults.empty()) refuse_elasticity_of_bare(in, layer);
-  if (draft.faults.empty()) scale_thickness(in, layer);
-  if (draft.faults.empty()) draft.faults = too_thick(in, layer);
-  if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
+  if (!on_elements && in.given.map && on_articular) take_rigid_elements(in, carried, draft);
+  if (in.given.nodes != nullptr) layer.findings.push_back(thickness_from_file(in));
+  if (on_elements) add_once(layer.findings, gap_to_named_bone(in, carried, draft.boundary, layer));
+  refuse_elasticity_of_bare(in, layer);
+  scale_thickness(in, layer);
+  refuse_too_thick(in, layer);
+  if (!layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
     find_layer_face(in, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
 }
 
 }  // namespace
 
-LayerFound make_layer(const ModelParts& parts, const Contact& contact, int side) {
+Layer make_layer(const ModelParts& parts, const Contact& contact, int side) {
   ContactSide in = contact_side(parts, contact, side);
   find_planes(in);
   const CarriedSurface carried = carry(parts, in.index);
-  if (carried.fault) return {{}, {*carried.fault}};
-  if (const auto fault = repeated_facet(in)) return {{}, {*fault}};
+  refuse_repeated_facet(in);
   const Support support = find_support(in, carried);
-  if (support.fault) return {{}, {*support.fault}};
   const bool on_elements = !support.regions.empty();
-  LayerDraft draft = begin(in, carried, support);
-  if (draft.faults.empty() && on_elements) finish_bonded_layer(in, carried, support, draft);
-  if (draft.faults.empty() && !on_elements) finish_bare_surface(in, draft);
-  if (draft.faults.empty()) finish(in, carried, on_elements, draft);
-  if (draft.faults.empty()) draft.layer.compartments = find_compartments(parts.model, carried, draft.layer.articular);
-  return {std::move(draft.layer), std::move(draft.faults)};
+  LayerDraft draft{begin(in, carried, support), {}};
+  if (on_elements)
+    finish_bonded_layer(in, carried, support, draft);
+  else
+    finish_bare_surface(in, draft.layer);
+  finish(in, carried, on_elements, draft);
+  draft.layer.compartments = find_compartments(parts.model, carried, draft.layer.articular);
+  return std::move(draft.layer);
 }
 
 }  // namespace dea

@@ -110,30 +110,30 @@ inline constexpr const char* kDofNames[kDofs] = {"x", "y", "z", "Ru", "Rv", "Rw"
 inline constexpr Alias kDofAliases[] = {{"Rx", "Ru"}, {"Ry", "Rv"}, {"Rz", "Rw"},
                                         {"u", "Ru"},  {"v", "Rv"},  {"w", "Rw"}};
 
-/// `step` of every condition below: -1 = active in all steps, otherwise only in that step.
-/// `material`: index of a rigid material (the body is the one that material became).
-
-struct RigidFixed {
-  int material = -1;
-  std::array<bool, kDofs> dofs = {};
-  int step = -1;
+/// What every condition below has. `material` of one: index of a rigid material (the body is the one that material
+/// became).
+struct Condition {
+  int step = -1;  ///< active only in this step; -1: in all
   std::string name;
   Origin origin;
+  bool acts(int in_step) const { return step < 0 || step == in_step; }
+};
+
+struct RigidFixed : Condition {
+  int material = -1;
+  std::array<bool, kDofs> dofs = {};
 };
 
 /// Prescribed motion of one dof: COM translation, or component of the rotation vector [rad].
-struct RigidPrescribed {
+struct RigidPrescribed : Condition {
   int material = -1;
   int dof = 0;
   Scaled value;
   bool relative = false;  ///< from the pose at the start of the step instead of the reference pose
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Force (dof 0-2) or moment (dof 3-5) on a rigid body at its centre of mass.
-struct RigidLoad {
+struct RigidLoad : Condition {
   enum class Kind {
     Dead,
     Follower,  ///< the vector turns with the body
@@ -144,37 +144,28 @@ struct RigidLoad {
   Scaled value;
   Kind kind = Kind::Dead;
   bool relative = false;  ///< Dead: the reaction at the start of the step is added
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Force at a point of a rigid body, or moment, whose vector turns with the body.
-struct RigidFollower {
+struct RigidFollower : Condition {
   int material = -1;
   bool moment = false;
   Vector3d insertion = Vector3d::Zero();  ///< of a force: reference coordinates
   bool from_center = false;               ///< `insertion` is counted from the centre of mass
   Vector3d value = Vector3d::Zero();
   int controller = -1;  ///< scales the whole vector; -1: constant
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Force along the line between points of two rigid bodies, > 0 pulls them together.
-struct RigidAxialForce {
+struct RigidAxialForce : Condition {
   int material_a = -1, material_b = -1;
   Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference coordinates
   bool from_centers = false;                                        ///< the points are counted from the centres of mass
   Scaled force;
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Cable through points of rigid bodies with the same tension everywhere; at its last point the force `value` acts.
-struct RigidCable {
+struct RigidCable : Condition {
   struct Point {
     int material = -1;
     Vector3d position = Vector3d::Zero();  ///< reference coordinates
@@ -183,9 +174,6 @@ struct RigidCable {
   bool from_centers = false;  ///< positions are counted from the centres of mass
   Scaled force;
   Vector3d direction = Vector3d::Zero();  ///< of the force beyond the last point
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Two bodies joined at a point. Its frame: columns of `axes`, fixed in both bodies in their reference pose. Motion of
@@ -204,7 +192,7 @@ struct RigidCable {
 /// RigidLoads on A and B.
 ///
 /// Column 1 is made normal to column 0 in the plane of the two given directions; column 2 = column 0 x column 1.
-struct RigidJoint {
+struct RigidJoint : Condition {
   enum class Motion { Held, Free, Prescribed };
   int material_a = -1, material_b = -1;
   std::string type;  ///< FEBio's word
@@ -212,35 +200,26 @@ struct RigidJoint {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal, global reference directions
   std::array<Motion, kDofs> motion = {};               ///< all Held
   std::array<Scaled, kDofs> value;                     ///< Prescribed: length or angle [rad]; Free: force or moment
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Force on nodes, each its own: acts on the body that holds the node, at the node.
-struct NodalForce {
+struct NodalForce : Condition {
   std::vector<int> nodes;
   Vector3d value = Vector3d::Zero();
   int controller = -1;  ///< scales the whole vector; -1: constant
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Line spring between points of two rigid bodies (global reference coordinates). It pushes when shortened.
-struct RigidSpring {
+struct RigidSpring : Condition {
   int material_a = -1, material_b = -1;
   Vector3d insertion_a = Vector3d::Zero(), insertion_b = Vector3d::Zero();
   double k = 1.0;            ///< force per elongation
   double free_length = 0.0;  ///< 0: the reference distance
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Springs between nodes along their line, with L the distance of the nodes and L0 that in the reference:
 /// force = stiffness (L - L0), tension_only: never pushes; or, where `force` is there, scale * force(measure).
-struct DiscreteSprings {
+struct DiscreteSprings : Condition {
   enum class Measure { Elongation, Strain, Stretch };  ///< L - L0, L/L0 - 1, L/L0
   int set = -1;                                        ///< index into JointModel::discrete_sets
   double stiffness = 1.0;
@@ -248,38 +227,27 @@ struct DiscreteSprings {
   std::optional<LoadController> force;  ///< a function of the measure in place of time; > 0: tension
   Measure measure = Measure::Elongation;
   Scaled scale = {1.0, -1};  ///< of `force`
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// Nodes held by the ground in the flagged components.
-struct FixedNodes {
+struct FixedNodes : Condition {
   std::vector<int> nodes;
   std::array<bool, 3> xyz = {};
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
-/// Nodes whose displacement is given in one component. None of them is a rigid body's (FEBio refuses that).
-struct PrescribedNodes {
+/// Nodes whose displacement is given in one component. None of them is a rigid body's (FEBio refuses that). Named as
+/// the condition, else as its node set.
+struct PrescribedNodes : Condition {
   std::vector<int> nodes;
   int component = 0;      ///< 0 x, 1 y, 2 z (global)
   Scaled value;           ///< displacement, for all nodes alike
   bool relative = false;  ///< from the position at the start of the step instead of the reference position
-  int step = -1;
-  std::string name;  ///< of the condition; else of its node set
-  Origin origin;
 };
 
 /// Nodes that move with a rigid body.
-struct RigidNodes {
+struct RigidNodes : Condition {
   int material = -1;
   std::vector<int> nodes;
-  int step = -1;
-  std::string name;
-  Origin origin;
 };
 
 /// What a contact of type "dea" says of the layer under one of its surfaces. The cartilage's elements are rigid there,
@@ -308,9 +276,8 @@ struct DeaContact {
   std::vector<SymmetryPlane> symmetry_planes;  ///< of cartilage that is rigid with its bone: no node is held in them
 };
 
-struct Contact {
+struct Contact : Condition {
   enum class Kind { Sliding, Tied };
-  std::string name;
   std::string type;  ///< FEBio's word
   Kind kind = Kind::Sliding;
   int primary = -1, secondary = -1;  ///< indices into JointModel::surfaces
@@ -319,8 +286,6 @@ struct Contact {
   std::vector<std::string>
       ignored;                    ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
   std::optional<DeaContact> dea;  ///< of a contact of type "dea" (kind Sliding)
-  int step = -1;
-  Origin origin;
 };
 
 struct Step {

@@ -140,7 +140,7 @@ Findings idle_model_loads(const JointModel& model, const Joint& joint, const Set
     if (b < 0) continue;
     bool idle = true, any = false;
     for (const LoadCase& end : ends) {
-      if (load.step >= 0 && load.step != end.step) continue;
+      if (!load.acts(end.step)) continue;
       const BodyConditions& body = end.bodies[at(b)];
       any = any || value(model, load.value, end.time) != 0;
       idle = idle && !(load.dof < 3 ? force_acts(body, load.dof) : is_free(body, load.dof));

@@ -174,7 +174,7 @@ void refuse_left_planes(const JointModel& model, const Joint& joint, const std::
     if (!left) continue;
     const int first = pair.layers[0].body, other = left->body == first ? pair.layers[1].body : first;
     throw fault_at(
-        model, model.contacts[at(pair.contact)].origin,
+        model, pair.origin,
         say("contact \"{}\": the model ends in the plane of symmetry {}, and{} body \"{}\" has crossed it or "
             "turned out of it, by {:.3g} as seen from body \"{}\": its mirror image would do the opposite;",
             pair.name, in_words(std::vector<SymmetryPlane>{left->plane}), time ? " at time " + time_text(*time) : "",

@@ -24,22 +24,12 @@ namespace dea {
 
 namespace {
 
-/// Each once.
-void add(std::vector<Fault>& faults, const Fault& fault) {
-  if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
-}
-
-void add(std::vector<Fault>& faults, const InputError& error) {
-  add(faults, error.fault);
-  for (const Fault& other : error.others) add(faults, other);
-}
-
 template <class Step>
 void try_to(std::vector<Fault>& faults, const Step& step) {
   try {
     step();
   } catch (const InputError& error) {
-    add(faults, error);
+    add_once(faults, error);
   }
 }
 
@@ -115,8 +105,7 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
   add_once(loading.findings, frame_findings(settings));
   if (!settings.placements.empty()) {
     add_once(loading.findings, placement_findings(model, joint, settings));
-    for (const Fault& fault : broken_connectors(model, joint, starting_poses(model, joint, settings)))
-      add(loading.faults, fault);
+    add_once(loading.faults, broken_connectors(model, joint, starting_poses(model, joint, settings)));
   }
   // what has no value (a controller with a misspelt word) is a fault found elsewhere: here none is asked for one
   if (controllers_have_values(model)) {
@@ -139,17 +128,17 @@ Recognition recognise_joint(JointModel given, Settings settings) {
   const JointModel& model = r.model;
   const bool sliding = std::any_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind == Contact::Kind::Sliding; });
-  if (!sliding) add(r.faults, no_sliding_contact(model));
+  if (!sliding) r.faults.push_back(no_sliding_contact(model));
   const std::optional<Fault> no_body = no_rigid_body(model, r.settings);
-  if (no_body) add(r.faults, *no_body);
-  for (const Fault& fault : unsupported_faults(model)) add(r.faults, fault);
+  if (no_body) r.faults.push_back(*no_body);
+  add_once(r.faults, unsupported_faults(model));
   if (sliding && !no_body) {
     Findings naming;
     r.settings = name_surfaces(model, r.settings, naming);
     JointFound found = find_joint(model, r.settings);
     add_once(naming, found.joint.findings);
     found.joint.findings = std::move(naming);
-    for (const Fault& fault : found.faults) add(r.faults, fault);
+    add_once(r.faults, found.faults);
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);
   }
@@ -163,7 +152,7 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
   const JointModel& model = r.model;
   if (r.recognised) {
     Loading loading = check_loading(model, r.joint, r.settings);
-    for (const Fault& fault : loading.faults) add(r.faults, fault);
+    add_once(r.faults, loading.faults);
     add_once(r.joint.findings, loading.findings);
   }
   if (row_count(r.settings) == 0) try_to(r.faults, [&] { model_times(model, !all_states); });
