@@ -129,7 +129,7 @@ END_FECORE_CLASS();
 
 /// Everything that follows from the reference configuration, and the springs at the last poses.
 struct FEDeaContact::Bed {
-  dea::JointModel model;  // names, surfaces and this contact only, for messages
+  dea::JointModel model;  // with this contact alone
   dea::Joint joint;       // this contact alone
   dea::SpringBeds beds;
   dea::FieldMaps maps;
@@ -138,9 +138,10 @@ struct FEDeaContact::Bed {
   bool evaluated = false;
   dea::SpringStates springs;
   dea::ContactWrench wrench;
-  dea::PressMemory memory;    // where the search for pressures starts
-  dea::Pose output_poses[2];  // of the fields in the surfaces
-  bool output = false;
+  dea::PressMemory memory;     // where the search for pressures starts
+  dea::StateResult shown;      // the fields in the surfaces; without statistics
+  bool output = false;         // it is there
+  dea::SolvedStates solution;  // states that FEBio has found, with what their rules look at
 
   const dea::SpringBed& bed() const { return beds.beds.front(); }
 };
@@ -342,6 +343,13 @@ void refuse_doubled_contacts(const dea::JointModel& model, const std::function<i
   }
 }
 
+/// A line each below the heading.
+std::string findings_text(std::string text, const dea::Findings& findings) {
+  for (const std::string& line : dea::coded_lines(findings, dea::febio_wording()))
+    text += fmt::format("  {}\n", dea::message_line(line));
+  return text;
+}
+
 }  // namespace
 
 template <class Action>
@@ -396,9 +404,8 @@ void FEDeaContact::build() {
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
-  std::string text = fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName());
-  for (const std::string& line : dea::coded_lines(dea::model_findings(model, bed->joint), dea::febio_wording()))
-    text += fmt::format("  {}\n", dea::message_line(line));
+  std::string text = findings_text(fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName()),
+                                   dea::model_findings(model, bed->joint));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,
@@ -417,10 +424,8 @@ void FEDeaContact::build() {
     text += "\n";
   }
   dea::log_text(fem, text);
-  bed->model.files = std::move(model.files);
-  bed->model.node_ids = std::move(model.node_ids);
-  bed->model.surfaces = std::move(model.surfaces);
-  bed->model.contacts = std::move(model.contacts);
+  bed->model = std::move(model);
+  bed->solution.start = dea::reference_poses(bed->joint);
   bed_ = std::move(bed);
 }
 
@@ -446,9 +451,12 @@ void FEDeaContact::listen() {
         const bool good = self->update_fields();
         if (good && when == CB_MAJOR_ITERS) {  // of converged states, not of every retry
           self->warn_of_depth();
-          return self->keeps_to_its_planes();
+          return self->keeps_to_its_planes() && self->keep_state();
         }
-        if (good && when == CB_STEP_SOLVED) self->warn_of_failure();
+        if (good && when == CB_STEP_SOLVED) {
+          self->warn_of_failure();
+          if (fem->GetCurrentStepIndex() + 1 == fem->Steps()) self->tell_results();
+        }
         return good;
       },
       CB_INIT | CB_STEP_ACTIVE | CB_UPDATE_TIME | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED |
@@ -638,30 +646,32 @@ bool FEDeaContact::update_fields() {
 void FEDeaContact::make_fields() {
   Bed& b = *bed_;
   const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
-  if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return;
+  const int at_target = b.bed().target_body, at_source = b.bed().source_body;
+  if (b.output && same(target, b.shown.equilibrium.poses[at(at_target)]) &&
+      same(source, b.shown.equilibrium.poses[at(at_source)]))
+    return;
   if (!evaluate(1.0)) return;
   const dea::ContactPair& pair = b.joint.contacts.front();
-  dea::Equilibrium e;
+  b.shown = {};
+  dea::Equilibrium& e = b.shown.equilibrium;
   e.poses = dea::reference_poses(b.joint);
-  e.poses[at(b.bed().target_body)] = target;
-  e.poses[at(b.bed().source_body)] = source;
+  e.poses[at(at_target)] = target;
+  e.poses[at(at_source)] = source;
   e.springs = {b.springs};
   e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
   dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
-  std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
+  b.shown.fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     const dea::SurfaceMesh& mesh = layer.articular;
-    dea::SideFields& values = fields.front().sides[side];
+    const dea::SideFields& values = b.shown.fields.front().sides[side];
     std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
     for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
     std::vector<vec3d> tractions;
     for (std::size_t f = 0; f < area.size(); ++f)
       tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
-    (side == 0 ? primary_ : secondary_).set_fields(std::move(values), std::move(tractions));
+    (side == 0 ? primary_ : secondary_).set_fields(values, std::move(tractions));
   }
-  b.output_poses[0] = target;
-  b.output_poses[1] = source;
   b.output = true;
 }
 
@@ -669,10 +679,56 @@ bool FEDeaContact::keeps_to_its_planes() {
   if (!bed_ || !IsActive() || !bed_->output) return true;
   return guarded([&] {
     const Bed& b = *bed_;
-    std::vector<dea::Pose> poses = dea::reference_poses(b.joint);
-    poses[at(b.bed().target_body)] = b.output_poses[0];
-    poses[at(b.bed().source_body)] = b.output_poses[1];
-    dea::refuse_left_planes(b.model, b.joint, poses, GetFEModel()->GetCurrentTime());
+    dea::refuse_left_planes(b.model, b.joint, b.shown.equilibrium.poses, GetFEModel()->GetCurrentTime());
+  });
+}
+
+bool FEDeaContact::keep_state() {
+  if (!bed_ || !IsActive() || !bed_->output) return true;
+  return guarded([&] {
+    Bed& b = *bed_;
+    std::vector<dea::StateResult>& states = b.solution.states;
+    if (!states.empty()) {  // as large as the mesh: rules ask for them in the last state alone
+      states.back().fields.clear();
+      states.back().equilibrium.springs.clear();
+    }
+    dea::StateResult state = b.shown;
+    state.when = {GetFEModel()->GetCurrentTime(), GetFEModel()->GetCurrentStepIndex(), -1};
+    state.statistics = dea::contact_statistics(b.joint, b.beds, b.maps, state.equilibrium, state.fields);
+    const std::array<bool, 12> free = free_of(equations(b.bodies));
+    const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
+    state.equilibrium.outcome = any_free ? dea::Outcome::Balanced : dea::Outcome::Prescribed;
+    state.equilibrium.load = dea::kInfinity;  // FEBio's, not known here
+    states.push_back(std::move(state));
+    b.solution.free_to_move.assign(b.joint.bodies.size(), 0);
+    b.solution.free_to_turn = b.solution.free_to_move;
+    for (int i = 0; i < 12; ++i) {
+      const int body = i < 6 ? b.bed().target_body : b.bed().source_body;
+      if (free[at(i)]) (i % 6 < 3 ? b.solution.free_to_move : b.solution.free_to_turn)[at(body)] = 1;
+    }
+  });
+}
+
+void FEDeaContact::tell_results() {
+  const std::vector<const FEDeaContact*> all = contacts();
+  if (all.empty() || all.front() != this) return;  // one tells of all
+  guarded([&] {
+    std::vector<dea::Findings> found;
+    for (const FEDeaContact* contact : all) {
+      if (contact->attempt_.failed) return;  // the last state is no solution
+      found.push_back(dea::result_findings(contact->bed_->model, contact->bed_->joint, contact->bed_->solution));
+    }
+    // what names no part of the joint is of it as a whole: all its contacts have it
+    const auto counts = [&](const dea::Finding& f) {
+      const auto has_it = [&](const dea::Findings& one) { return std::find(one.begin(), one.end(), f) != one.end(); };
+      const bool of_a_part = !(f.subject.contact + f.subject.surface + f.subject.body).empty();
+      return of_a_part || std::all_of(found.begin(), found.end(), has_it);
+    };
+    dea::Findings told;
+    for (const dea::Findings& one : found)
+      for (const dea::Finding& f : one)
+        if (counts(f)) dea::add_once(told, {f});
+    if (!told.empty()) dea::log_text(*GetFEModel(), findings_text(dea::version_line() + ": results\n", told));
   });
 }
 

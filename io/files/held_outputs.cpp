@@ -89,7 +89,8 @@ HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs) {
   return all;
 }
 
-HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs) {
+  std::erase_if(outputs, [](const NamedPath& output) { return output.path.empty(); });
   check_outputs(inputs, outputs);
   return hold_outputs(outputs);
 }

@@ -30,7 +30,7 @@ class HeldOutputs {
 /// holds one of them, or its folder cannot be written to.
 [[nodiscard]] HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
 
-/// check_outputs, then hold_outputs.
-[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+/// check_outputs, then hold_outputs. Outputs of an empty path are not wanted.
+[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
 
 }  // namespace dea
