@@ -8,7 +8,6 @@
 #include <FECore/FELinearSystem.h>
 #include <FECore/FEMesh.h>
 #include <FECore/FENewtonSolver.h>
-#include <FECore/FESurfaceMap.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,9 +21,6 @@
 #include <utility>
 #include <vector>
 
-#include "io/febio/febio_rules.h"
-#include "io/febio/symmetry_words.h"
-#include "plugin/contact_in_file.h"
 #include "plugin/febio_log.h"
 #include "plugin/febio_wording.h"
 #include "plugin/read_fe_model.h"
@@ -47,9 +43,7 @@ vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
 
-constexpr const char* kSides[2] = {"primary", "secondary"};
-constexpr double kNotGiven = -1.0;  // a thickness that says nothing
-constexpr double kOpens = 0.1;      // of the load's force: what opens the joint, and is no rounding of its surfaces
+constexpr double kOpens = 0.1;  // of the load's force: what opens the joint, and is no rounding of its surfaces
 
 }  // namespace
 
@@ -156,128 +150,6 @@ FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem
 }
 
 FEDeaContact::~FEDeaContact() = default;
-
-namespace {
-
-std::vector<std::string> names_of_maps(FEMesh& mesh) {
-  std::vector<std::string> names;
-  for (int i = 0; i < mesh.DataMaps(); ++i)
-    if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) names.push_back(mesh.GetDataMap(i)->GetName());
-  return names;
-}
-
-}  // namespace
-
-dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
-  // FEBio's accessors are not const.
-  auto& self = const_cast<FEDeaContact&>(*this);
-  const auto in_file = dea::contact_in_file(model.files.front(), self.GetName());
-  const auto refuse = [&](const std::string& what) {
-    return dea::fault_at(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
-  };
-  const auto refuse_parameter = [&](const std::string& name, const std::string& what) {
-    const auto place = in_file.find(name);
-    return dea::fault_at(model, {0, place == in_file.end() ? 0 : place->second.line},
-                         fmt::format("contact \"{}\": <{}>{}", self.GetName(), name, what));
-  };
-  for (const char* number : {"primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
-    const auto place = in_file.find(number);
-    if (place == in_file.end()) continue;
-    try {
-      dea::parse_number(place->second.text);
-    } catch (const dea::BadValue&) {  // FEBio takes what stands before the first strange letter
-      throw refuse_parameter(number,
-                             fmt::format(": found \"{}\", expected a number with a decimal point", place->second.text));
-    }
-  }
-  dea::Contact contact;
-  contact.name = self.GetName();
-  contact.type = "dea";
-  const auto refine = in_file.find("refine");
-  try {  // FEBio takes 2.5 for 2
-    dea::parse_count(refine == in_file.end() ? std::to_string(refine_) : refine->second.text, 1, 1000);
-  } catch (const dea::BadValue& e) {
-    throw refuse_parameter("refine", fmt::format(": {}", e.what()));
-  }
-  dea::DeaContact dea;
-  dea.law = static_cast<dea::Law>(law_);
-  dea.facets = static_cast<dea::Facets>(facets_);
-  dea.refine = refine_;
-  dea.source = source_;
-  const auto planes = dea::febio::planes_of_text(symmetry_planes_);
-  if (!planes)
-    throw refuse_parameter("symmetry_planes", fmt::format(": found \"{}\", {}", dea::trimmed(symmetry_planes_),
-                                                          dea::febio::kPlanesExpected));
-  dea.symmetry_planes = *planes;
-  FEParameterList& parameters = self.GetParameterList();
-  FEParamIterator parameter = parameters.first();
-  for (int i = 0; i < parameters.Parameters(); ++i, ++parameter)
-    if (self.GetFEModel()->GetLoadController(&*parameter) != nullptr)
-      throw refuse_parameter(parameter->name(), " follows a load controller; the springs are made once, give a number");
-  for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
-    const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
-    int& index = side == 0 ? contact.primary : contact.secondary;
-    for (std::size_t i = 0; i < model.surfaces.size(); ++i)
-      if (model.surfaces[i].name == name) index = static_cast<int>(i);
-    if (index < 0) throw refuse(fmt::format("its {} surface \"{}\" is none of the model's", kSides[side], name));
-    dea::DeaLayer& layer = dea.layers[side];
-    if (!(E_[side] >= 0) || std::isinf(E_[side]))
-      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(": found {:g}, need E > 0", E_[side]));
-    if (!(nu_[side] > -1 && nu_[side] < 0.5))
-      throw refuse_parameter(fmt::format("{}_nu", kSides[side]),
-                             fmt::format(": found {:g}, need -1 < nu < 0.5", nu_[side]));
-    const std::string nu = fmt::format("{}_nu", kSides[side]);
-    if (E_[side] > 0 && !in_file.empty() && in_file.find(nu) == in_file.end())  // FEBio's default says nothing
-      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(" without <{}>; give both", nu));
-    if (E_[side] > 0) {
-      layer.E = E_[side];
-      layer.nu = nu_[side];
-    }
-    const std::string given = dea::trimmed(thickness_[side]), tag = fmt::format("{}_thickness", kSides[side]);
-    const auto refuse_thickness = [&](const std::string& what) { return refuse_parameter(tag, what); };
-    FEMesh& mesh = self.GetFEModel()->GetMesh();
-    const auto in_place = in_file.find(tag);
-    const std::string type = in_place == in_file.end() ? "" : in_place->second.type;
-    const dea::febio::ThicknessText meant = dea::febio::thickness_text(type, given);
-    if (meant == dea::febio::ThicknessText::Refused)
-      throw refuse_thickness(fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
-    if (meant == dea::febio::ThicknessText::Number) {
-      const std::optional<double> t = dea::febio::whole_double(given);
-      if (!t) throw refuse_thickness(fmt::format(": found \"{}\", expected a number with a decimal point", given));
-      if (*t != kNotGiven && !(*t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", *t));
-      if (*t != kNotGiven) layer.thickness = *t;
-    } else if (meant == dea::febio::ThicknessText::Map) {
-      FEDataMap* data = mesh.FindDataMap(given);
-      if (data == nullptr) {
-        const std::vector<std::string> maps = names_of_maps(mesh);
-        throw refuse_thickness(
-            fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
-                        dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
-                        dea::name_list(maps, given)));
-      }
-      auto* map = dynamic_cast<FESurfaceMap*>(data);
-      if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
-      const FEFacetSet* facets = map->GetFacetSet();
-      if (facets == nullptr || facets->GetName() != name)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"", map->GetName(),
-                                           facets == nullptr ? "" : facets->GetName(), name));
-      const dea::Surface& s = model.surfaces[at(index)];
-      for (int f = 0; f < s.size(); ++f) {
-        for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
-          const double t = map->value<double>(f, k);
-          if (!(t >= 0) || std::isinf(t))
-            throw refuse_thickness(
-                fmt::format(": the map \"{}\" is {:g} at facet {}, need a thickness >= 0", map->GetName(), t, f + 1));
-          layer.thickness_map.push_back(t);
-        }
-      }
-    }
-  }
-  contact.dea = dea;
-  return contact;
-}
 
 namespace {
 
@@ -408,8 +280,8 @@ void FEDeaContact::build() {
                                    dea::model_findings(model, bed->joint));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
-    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,
-                        bed->joint.bodies[at(layer.body)].name);
+    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", dea::kSides[side],
+                        model.surfaces[at(layer.surface)].name, bed->joint.bodies[at(layer.body)].name);
     if (layer.rigid)
       text += "bare rigid surface";
     else
