@@ -15,7 +15,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -27,7 +26,6 @@
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
-#include "src/base/parse.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"

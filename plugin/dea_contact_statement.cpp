@@ -1,6 +1,4 @@
 // What a contact of type dea says of itself, as a dea::Contact.
-#include "plugin/contact_statement.h"
-
 #include <FECore/FEMesh.h>
 #include <FECore/FEModel.h>
 #include <FECore/FESurfaceMap.h>
