@@ -118,12 +118,11 @@ int build(const BuildArguments& a) {
   if (a.output == "-") throw UsageError("-o -: the table goes to standard output, give the model a name");
   BuildInputs inputs = build_inputs(a);
   require_page_name("--report", a.report);
-  std::vector<NamedPath> outputs = {{"-o", a.output}};
-  if (!a.json.empty()) outputs.push_back({"--json", a.json});
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
-  if (!a.frames.empty()) outputs.push_back({"--frames", a.frames});
-  if (!a.hip_figure.empty()) outputs.push_back({"--hip-figure", a.hip_figure});
-  const HeldOutputs held = claim_outputs(inputs.files, outputs);
+  const HeldOutputs held = claim_outputs(inputs.files, {{"-o", a.output},
+                                                        {"--json", a.json},
+                                                        {"--report", a.report},
+                                                        {"--frames", a.frames},
+                                                        {"--hip-figure", a.hip_figure}});
   if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, ModelOf::Build));
   Progress progress(progress_style(a.quiet, false));
   std::vector<std::string> questions;  // told before what may take long

@@ -29,7 +29,7 @@ Examples:
 
 CLI::App* add_cite(CLI::App& app, CiteArguments& a) {
   CLI::App* c =
-      add_model_command(app, "cite", "Print a methods paragraph for a paper, with references", kCiteFooter, a.model);
+      add_model_command(app, "cite", "Print a methods paragraph for a paper, with references", kCiteFooter, a);
   add_once(*c, "--compared", a.compared, "FEA.xplt", "Output",
            "Say that results were compared with this result of FEBio");
   c->add_flag("--bibtex", a.bibtex,

@@ -16,17 +16,12 @@ enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, 
 inline constexpr const char* kAbout =
     "Discrete element analysis of joint contact: FEBio model in, pressure on its surfaces out.";
 
-struct RunArguments {
+struct RunArguments : ModelArguments {
   std::vector<std::string> words;  ///< the command line, for the page
-  std::string model;
-  OutputSettings outputs;  ///< as typed
-  bool verbose = false, details = false;
-  FindingsArguments findings;
-  bool overwrite = false;
-  SettingsArguments settings;
+  OutputSettings outputs;          ///< as typed
   std::string times_from;
-  bool compress = false;
-  std::string threads;
+  FindingsArguments findings;
+  bool verbose = false, details = false, overwrite = false, compress = false;
 };
 CLI::App* add_run(CLI::App& app, RunArguments& arguments);
 int run(const RunArguments& arguments);
@@ -45,30 +40,23 @@ struct StudyArguments {
 CLI::App* add_study(CLI::App& app, StudyArguments& arguments);
 int study(const StudyArguments& arguments);
 
-struct InfoArguments {
-  std::string model, output, json;
+struct InfoArguments : ModelArguments {
+  std::string output, json;
   bool overwrite = false;
-  SettingsArguments settings;
-  std::string threads;
 };
 CLI::App* add_info(CLI::App& app, InfoArguments& arguments);
 int info(const InfoArguments& arguments);
 
-struct ConvergeArguments {
-  std::string model, json;
+struct ConvergeArguments : ModelArguments {
+  std::string target = "0.01", max_springs = "400000", json;
   bool quiet = false, verbose = false;
-  SettingsArguments settings;
-  std::string target = "0.01", max_springs = "400000";
-  std::string threads;
 };
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
 
-struct ConvertArguments {
-  std::string model, output, linear_solver;
+struct ConvertArguments : ModelArguments {
+  std::string output, linear_solver;
   bool overwrite = false, quiet = false;
-  SettingsArguments settings;
-  std::string threads;
 };
 CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
 int convert(const ConvertArguments& arguments);
@@ -86,7 +74,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& arguments);
 /// The command: in the program dea-build alone.
 int build(const BuildArguments& arguments);
 /// The same from dea: it becomes dea-build, and returns only where there is none.
-int start_build(const std::vector<std::string>& words);
+int start_build(const BuildArguments& arguments);
 
 struct PluginBuildArguments {
   std::string febio, output, threads;
@@ -115,33 +103,32 @@ struct PlotArguments {
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
 int plot_command(const PlotArguments& arguments);
 
-struct CiteArguments {
-  std::string model, compared;
-  bool bibtex = false;
-  SettingsArguments settings;
-  std::string threads;
-};
 struct FindingsListArguments {
   std::string code;
 };
 CLI::App* add_findings(CLI::App& app, FindingsListArguments& arguments);
 int list_findings(const FindingsListArguments& arguments);
 
+struct CiteArguments : ModelArguments {
+  std::string compared;
+  bool bibtex = false;
+};
 CLI::App* add_cite(CLI::App& app, CiteArguments& arguments);
 int cite(const CiteArguments& arguments);
 
 struct ManArguments {
+  const CLI::App* program = nullptr;  ///< with all its commands
   std::string command, output;
 };
 CLI::App* add_man(CLI::App& app, ManArguments& arguments);
-/// `app`: the program with all its commands.
-int man(const CLI::App& app, const ManArguments& arguments);
+int man(const ManArguments& arguments);
 
 struct CompletionArguments {
+  const CLI::App* program = nullptr;  ///< with all its commands
   std::string shell;
 };
 CLI::App* add_completion(CLI::App& app, CompletionArguments& arguments);
-int completion(const CLI::App& app, const CompletionArguments& arguments);
+int completion(const CompletionArguments& arguments);
 
 /// Version, commit and libraries, a line each.
 std::string version_text();

@@ -198,16 +198,12 @@ int compare_command(const CompareArguments& a) {
         "compare {}: found one file, expected two or more, the last to compare the others with", a.files.front()));
   const CompareOptions options = compare_options(a);
   const std::vector<std::string> labels = make_labels(a);
-  std::vector<NamedPath> inputs, outputs;
+  std::vector<NamedPath> inputs;
   for (const std::string& file : a.files) inputs.push_back({file, file});
   require_file("-o", a.output);
   if (a.output.empty() && (a.time_fields || a.compress))
     throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
-  if (!a.output.empty()) outputs.push_back({"-o", a.output});
-  if (!a.json.empty()) outputs.push_back({"--json", a.json});
-  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
   require_page_name("--report", a.report);
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
 
   std::vector<ResultFile> files;
   Progress progress(progress_style(a.quiet, false));
@@ -216,7 +212,8 @@ int compare_command(const CompareArguments& a) {
     files.push_back(read_result(a.files[i], labels[i]));
     progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
   }
-  const HeldOutputs held = claim_outputs(inputs, outputs);
+  const HeldOutputs held =
+      claim_outputs(inputs, {{"-o", a.output}, {"--json", a.json}, {"--csv", a.csv}, {"--report", a.report}});
   if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Comparison));
   progress.now("comparing", "", "");
   const Comparison comparison = compare_files(files, options);

@@ -210,16 +210,17 @@ std::string completion_script(const CommandWords& program, const std::string& sh
 
 CLI::App* add_completion(CLI::App& app, CompletionArguments& a) {
   CLI::App* c = app.add_subcommand("completion", "Print what a shell needs to complete commands and options");
+  a.program = &app;
   c->footer(kCompletionFooter);
   c->add_option("SHELL", a.shell, "bash, zsh or fish")->required()->type_name("");
   return c;
 }
 
-int completion(const CLI::App& app, const CompletionArguments& a) {
+int completion(const CompletionArguments& a) {
   const std::vector<std::string>& shells = completion_shells();
   if (std::find(shells.begin(), shells.end(), a.shell) == shells.end())
     throw UsageError(fmt::format("completion {}: {}", a.shell, bad_value(a.shell, "bash, zsh or fish", shells).what()));
-  print(completion_script(command_tree(app), a.shell));
+  print(completion_script(command_tree(*a.program), a.shell));
   return kSolved;
 }
 

@@ -33,7 +33,7 @@ Examples:
 }  // namespace
 
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
-  CLI::App* c = add_model_command(app, "converge", "Find how many springs the result needs", kConvergeFooter, a.model);
+  CLI::App* c = add_model_command(app, "converge", "Find how many springs the result needs", kConvergeFooter, a);
   add_once(*c, "--target", a.target, "CHANGE", "Study", "Largest change allowed, between 0 and 1: 0.05 for 5% [0.01]");
   add_once(*c, "--max-springs", a.max_springs, "N", "Study", "Most springs per contact to try [400000]");
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
@@ -50,22 +50,18 @@ int converge_command(const ConvergeArguments& a) {
   if (!(target > 0 && target < 1))
     throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
   const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
-  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
-  std::vector<NamedPath> outputs;
-  if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
   if (!settings.loads.file.empty() || !settings.motion.file.empty())
     throw UsageError(
         "converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
         "last state");
-  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   JointModel model = read_feb(a.model);
   settle_units(model, settings);
   read_thickness(model, settings);
-  const HeldOutputs held = claim_outputs(inputs, outputs);
+  const HeldOutputs held = claim_outputs(input_files(a, settings), {{"--json", a.json}});
 
   double last = seconds();
   const auto watch = [&](const Activity& activity) {

@@ -47,7 +47,7 @@ std::string linear_solver(const ConvertArguments& a) {
 
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
   CLI::App* c = add_model_command(app, "convert", "Write a model of the same joint for FEBio with the FEBioDEA plugin",
-                                  kConvertFooter, a.model);
+                                  kConvertFooter, a);
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");
   add_once(
@@ -66,10 +66,9 @@ int convert(const ConvertArguments& a) {
   const std::string output = a.output.empty() ? default_output(a.model, ".feb") : a.output;
   if (output == "-") throw UsageError("-o -: the list of changes goes to standard output, give the model a name");
   const std::string solver = linear_solver(a);
-  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
-  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
+  std::vector<NamedPath> inputs = input_files(a, settings);
   JointModel model = read_feb(a.model);
   settle_units(model, settings);
   read_thickness(model, settings);

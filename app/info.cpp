@@ -37,7 +37,7 @@ Examples:
 
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = add_model_command(
-      app, "info", "Print what dea recognises in a model: bodies, cartilage, springs, loads", kInfoFooter, a.model);
+      app, "info", "Print what dea recognises in a model: bodies, cartilage, springs, loads", kInfoFooter, a);
   add_once(*c, "-o", a.output, "check.xplt", "Output",
            "Plot file of what was recognised: thickness, gap, missed normals, rims, facets left out, springs");
   add_overwrite_flag(*c, a.overwrite);
@@ -47,16 +47,11 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
 }
 
 int info(const InfoArguments& a) {
-  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
-  std::vector<NamedPath> outputs;
   require_file("-o", a.output);
-  if (!a.output.empty()) outputs.push_back({"-o", a.output});
-  if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
-  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   JointModel read = read_feb(a.model);
-  const HeldOutputs held = claim_outputs(inputs, outputs);
+  const HeldOutputs held = claim_outputs(input_files(a, settings), {{"-o", a.output}, {"--json", a.json}});
   if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Check));
   settle_units(read, settings);
   read_tables(read, settings);

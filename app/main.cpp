@@ -1,5 +1,7 @@
 // app/main.cpp – the program `dea`: its commands.
 #include <algorithm>
+#include <functional>
+#include <memory>
 
 #include "app/command_line.h"
 #include "app/commands.h"
@@ -41,49 +43,30 @@ int parse_and_run(const std::vector<std::string>& words) {
   app.footer(kFooter);
   app.set_version_flag("--version", version_text(), "Version, commit and libraries");
   app.require_subcommand(1);
-  RunArguments run_arguments;
-  StudyArguments study_arguments;
-  InfoArguments info_arguments;
-  ConvergeArguments converge_arguments;
-  ConvertArguments convert_arguments;
-  CompareArguments compare_arguments;
-  PlotArguments plot_arguments;
-  BuildArguments build_arguments;
-  PluginBuildArguments plugin_build_arguments;
-  FindingsListArguments findings_arguments;
-  CiteArguments cite_arguments;
-  ManArguments man_arguments;
-  CompletionArguments completion_arguments;
-  run_arguments.words = compare_arguments.words = study_arguments.words = words;
-  const CLI::App* run_command = add_run(app, run_arguments);
-  const CLI::App* study_app = add_study(app, study_arguments);
-  const CLI::App* info_command = add_info(app, info_arguments);
-  const CLI::App* converge_app = add_converge(app, converge_arguments);
-  const CLI::App* convert_app = add_convert(app, convert_arguments);
-  const CLI::App* compare_app = add_compare(app, compare_arguments);
-  const CLI::App* plot_app = add_plot(app, plot_arguments);
-  const CLI::App* build_app = add_build(app, build_arguments);
-  const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
-  const CLI::App* cite_app = add_cite(app, cite_arguments);
-  const CLI::App* findings_app = add_findings(app, findings_arguments);
-  const CLI::App* man_app = add_man(app, man_arguments);
-  const CLI::App* completion_app = add_completion(app, completion_arguments);
+  std::function<int()> chosen;
+  const auto add = [&]<class Arguments>(CLI::App* (*options)(CLI::App&, Arguments&), int (*run)(const Arguments&)) {
+    const auto arguments = std::make_shared<Arguments>();
+    if constexpr (requires { arguments->words; }) arguments->words = words;
+    options(app, *arguments)->callback([&chosen, run, arguments] {
+      chosen = [run, arguments] { return run(*arguments); };
+    });
+  };
+  add(add_run, run);
+  add(add_study, study);
+  add(add_info, info);
+  add(add_converge, converge_command);
+  add(add_convert, convert);
+  add(add_compare, compare_command);
+  add(add_plot, plot_command);
+  add(add_build, start_build);
+  add(add_plugin_build, plugin_build);
+  add(add_cite, cite);
+  add(add_findings, list_findings);
+  add(add_man, man);
+  add(add_completion, completion);
 
-  if (const std::optional<int> code = parse(app, words)) return *code;
-  if (run_command->parsed()) return run(run_arguments);
-  if (study_app->parsed()) return study(study_arguments);
-  if (info_command->parsed()) return info(info_arguments);
-  if (converge_app->parsed()) return converge_command(converge_arguments);
-  if (convert_app->parsed()) return convert(convert_arguments);
-  if (compare_app->parsed()) return compare_command(compare_arguments);
-  if (plot_app->parsed()) return plot_command(plot_arguments);
-  if (build_app->parsed()) return start_build(words);
-  if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
-  if (cite_app->parsed()) return cite(cite_arguments);
-  if (findings_app->parsed()) return list_findings(findings_arguments);
-  if (man_app->parsed()) return man(app, man_arguments);
-  if (completion_app->parsed()) return completion(app, completion_arguments);
-  return kWrongUse;
+  const std::optional<int> code = parse(app, words);
+  return code ? *code : chosen();
 }
 
 }  // namespace

@@ -139,14 +139,15 @@ std::string manual_page(const CommandWords& program, const CommandWords& command
 
 CLI::App* add_man(CLI::App& app, ManArguments& a) {
   CLI::App* c = app.add_subcommand("man", "Print the manual page of the program or of a command");
+  a.program = &app;
   c->footer(kManFooter);
   c->add_option("COMMAND", a.command, "The command [the program itself]")->type_name("");
   add_once(*c, "-o", a.output, "DIR", "Output", "Write all pages into this folder, made if it is missing");
   return c;
 }
 
-int man(const CLI::App& app, const ManArguments& a) {
-  const CommandWords program = command_tree(app);
+int man(const ManArguments& a) {
+  const CommandWords program = command_tree(*a.program);
   if (!a.output.empty()) {
     std::error_code error;
     if (!a.command.empty())

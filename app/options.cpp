@@ -8,6 +8,7 @@
 
 #include "io/files/output.h"
 #include "io/settings/settings_xml.h"
+#include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/parallel.h"
 
@@ -94,10 +95,10 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   return settings;
 }
 
-CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, std::string& model) {
+CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, ModelArguments& a) {
   CLI::App* command = app.add_subcommand(name, help);
   command->footer(footer);
-  command->add_option("MODEL", model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")
+  command->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")
       ->required()
       ->type_name("");
   return command;
@@ -145,9 +146,10 @@ void refuse_to_replace(const std::string& path, const std::string& why) {
   if (!why.empty()) throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o writes another", path, why));
 }
 
-std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {
-  std::vector<NamedPath> inputs = {{"the model", model}};
-  if (!settings.file.empty()) inputs.push_back({"the settings file", settings.file});
+std::vector<NamedPath> input_files(const ModelArguments& a, const Settings& settings) {
+  std::vector<NamedPath> inputs = {{"the model", a.model}};
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   return inputs;
 }
 

@@ -24,6 +24,12 @@ struct SettingsArguments {
   std::vector<std::string> order;  ///< names of those that were given, once for each time, in the order of the line
 };
 
+/// What every command on one model takes.
+struct ModelArguments {
+  std::string model, threads;
+  SettingsArguments settings;
+};
+
 /// All of setting_options, but for those of the names `without`; --settings, --threads.
 void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::string& threads,
                          const std::vector<std::string>& without = {});
@@ -32,8 +38,8 @@ void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::s
 /// the file says of output files and states; nullptr: of no interest.
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
 
-/// A command on one MODEL.
-CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, std::string& model);
+/// A command on one MODEL; add_solving_options come last.
+CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, ModelArguments& a);
 
 /// An option that is given once, and one that may be repeated, a value each time. `type`: how the help calls the value.
 void add_once(CLI::App& command, const char* name, std::string& value, const char* type, const char* group,
@@ -51,8 +57,8 @@ void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::str
 /// WriteError that ends in what to do; `why` (existing_plot.h, existing_model.h) is empty: nothing.
 void refuse_to_replace(const std::string& path, const std::string& why);
 
-/// What must not be written over.
-std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);
+/// What must not be written over: the model, the settings file, the tables that `settings` name.
+std::vector<NamedPath> input_files(const ModelArguments& a, const Settings& settings);
 
 /// Holds for as long as the result lives; empty `threads`: all cores.
 std::shared_ptr<void> limit_threads(const std::string& threads);

@@ -52,7 +52,7 @@ Examples:
 
 CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = add_model_command(
-      app, "run", "Solve the contact of a model and write a plot file, a table, JSON or CSV", kRunFooter, a.model);
+      app, "run", "Solve the contact of a model and write a plot file, a table, JSON or CSV", kRunFooter, a);
   const auto add_output = [&](const OutputOption& o) {
     add_once(*c, command_line_name(o).c_str(), a.outputs.*o.text, o.type, "Output", o.help);
   };
@@ -84,8 +84,7 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
 namespace {
 
 std::vector<NamedPath> run_inputs(const RunArguments& a, const Settings& settings) {
-  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
-  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
+  std::vector<NamedPath> inputs = input_files(a, settings);
   if (!a.times_from.empty()) inputs.insert(inputs.begin() + 1, {"the FEA result", a.times_from});
   return inputs;
 }

@@ -5,8 +5,8 @@
 
 namespace dea {
 
-int start_build(const std::vector<std::string>& words) {
-  std::vector<std::string> build(words.begin() + 1, words.end());  // "build", which its own name takes the place of
+int start_build(const BuildArguments& a) {
+  std::vector<std::string> build(a.words.begin() + 1, a.words.end());  // "build", which its own name takes the place of
   for (const std::string& program : {(own_path().parent_path() / "dea-build").string(), std::string("dea-build")}) {
     build.front() = program;
     become_program(build);

@@ -4,6 +4,8 @@
 
 namespace dea {
 
+inline constexpr const char* kSides[2] = {"primary", "secondary"};
+
 struct StatesContact {
   virtual ~StatesContact() = default;
   /// What the model says of this contact. `model`: must hold both surfaces by name. Throws InputError naming the

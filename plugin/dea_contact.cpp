@@ -8,7 +8,6 @@
 #include <FECore/FELinearSystem.h>
 #include <FECore/FEMesh.h>
 #include <FECore/FENewtonSolver.h>
-#include <FECore/FESurfaceMap.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,21 +15,17 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "io/febio/febio_rules.h"
-#include "plugin/contact_in_file.h"
 #include "plugin/febio_log.h"
 #include "plugin/febio_wording.h"
 #include "plugin/read_fe_model.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
-#include "src/base/parse.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"
@@ -46,9 +41,7 @@ vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
 
-constexpr const char* kSides[2] = {"primary", "secondary"};
-constexpr double kNotGiven = -1.0;  // a thickness that says nothing
-constexpr double kOpens = 0.1;      // of the load's force: what opens the joint, and is no rounding of its surfaces
+constexpr double kOpens = 0.1;  // of the load's force: what opens the joint, and is no rounding of its surfaces
 
 }  // namespace
 
@@ -128,7 +121,7 @@ END_FECORE_CLASS();
 
 /// Everything that follows from the reference configuration, and the springs at the last poses.
 struct FEDeaContact::Bed {
-  dea::JointModel model;  // names, surfaces and this contact only, for messages
+  dea::JointModel model;  // with this contact alone
   dea::Joint joint;       // this contact alone
   dea::SpringBeds beds;
   dea::FieldMaps maps;
@@ -137,9 +130,10 @@ struct FEDeaContact::Bed {
   bool evaluated = false;
   dea::SpringStates springs;
   dea::ContactWrench wrench;
-  dea::PressMemory memory;    // where the search for pressures starts
-  dea::Pose output_poses[2];  // of the fields in the surfaces
-  bool output = false;
+  dea::PressMemory memory;     // where the search for pressures starts
+  dea::StateResult shown;      // the fields in the surfaces; without statistics
+  bool output = false;         // it is there
+  dea::SolvedStates solution;  // states that FEBio has found, with what their rules look at
 
   const dea::SpringBed& bed() const { return beds.beds.front(); }
 };
@@ -154,128 +148,6 @@ FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem
 }
 
 FEDeaContact::~FEDeaContact() = default;
-
-namespace {
-
-std::vector<std::string> names_of_maps(FEMesh& mesh) {
-  std::vector<std::string> names;
-  for (int i = 0; i < mesh.DataMaps(); ++i)
-    if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) names.push_back(mesh.GetDataMap(i)->GetName());
-  return names;
-}
-
-}  // namespace
-
-dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
-  // FEBio's accessors are not const.
-  auto& self = const_cast<FEDeaContact&>(*this);
-  const auto in_file = dea::contact_in_file(model.files.front(), self.GetName());
-  const auto refuse = [&](const std::string& what) {
-    return dea::fault_at(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
-  };
-  const auto refuse_parameter = [&](const std::string& name, const std::string& what) {
-    const auto place = in_file.find(name);
-    return dea::fault_at(model, {0, place == in_file.end() ? 0 : place->second.line},
-                         fmt::format("contact \"{}\": <{}>{}", self.GetName(), name, what));
-  };
-  for (const char* number : {"primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
-    const auto place = in_file.find(number);
-    if (place == in_file.end()) continue;
-    try {
-      dea::parse_number(place->second.text);
-    } catch (const dea::BadValue&) {  // FEBio takes what stands before the first strange letter
-      throw refuse_parameter(number,
-                             fmt::format(": found \"{}\", expected a number with a decimal point", place->second.text));
-    }
-  }
-  dea::Contact contact;
-  contact.name = self.GetName();
-  contact.type = "dea";
-  const auto refine = in_file.find("refine");
-  try {  // FEBio takes 2.5 for 2
-    dea::parse_count(refine == in_file.end() ? std::to_string(refine_) : refine->second.text, 1, 1000);
-  } catch (const dea::BadValue& e) {
-    throw refuse_parameter("refine", fmt::format(": {}", e.what()));
-  }
-  dea::DeaContact dea;
-  dea.law = static_cast<dea::Law>(law_);
-  dea.facets = static_cast<dea::Facets>(facets_);
-  dea.refine = refine_;
-  dea.source = source_;
-  const auto planes = dea::febio::planes_of_text(symmetry_planes_);
-  if (!planes)
-    throw refuse_parameter("symmetry_planes", fmt::format(": found \"{}\", {}", dea::trimmed(symmetry_planes_),
-                                                          dea::febio::kPlanesExpected));
-  dea.symmetry_planes = *planes;
-  FEParameterList& parameters = self.GetParameterList();
-  FEParamIterator parameter = parameters.first();
-  for (int i = 0; i < parameters.Parameters(); ++i, ++parameter)
-    if (self.GetFEModel()->GetLoadController(&*parameter) != nullptr)
-      throw refuse_parameter(parameter->name(), " follows a load controller; the springs are made once, give a number");
-  for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
-    const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
-    int& index = side == 0 ? contact.primary : contact.secondary;
-    for (std::size_t i = 0; i < model.surfaces.size(); ++i)
-      if (model.surfaces[i].name == name) index = static_cast<int>(i);
-    if (index < 0) throw refuse(fmt::format("its {} surface \"{}\" is none of the model's", kSides[side], name));
-    dea::DeaLayer& layer = dea.layers[side];
-    if (!(E_[side] >= 0) || std::isinf(E_[side]))
-      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(": found {:g}, need E > 0", E_[side]));
-    if (!(nu_[side] > -1 && nu_[side] < 0.5))
-      throw refuse_parameter(fmt::format("{}_nu", kSides[side]),
-                             fmt::format(": found {:g}, need -1 < nu < 0.5", nu_[side]));
-    const std::string nu = fmt::format("{}_nu", kSides[side]);
-    if (E_[side] > 0 && !in_file.empty() && in_file.find(nu) == in_file.end())  // FEBio's default says nothing
-      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(" without <{}>; give both", nu));
-    if (E_[side] > 0) {
-      layer.E = E_[side];
-      layer.nu = nu_[side];
-    }
-    const std::string given = dea::trimmed(thickness_[side]), tag = fmt::format("{}_thickness", kSides[side]);
-    const auto refuse_thickness = [&](const std::string& what) { return refuse_parameter(tag, what); };
-    FEMesh& mesh = self.GetFEModel()->GetMesh();
-    const auto in_place = in_file.find(tag);
-    const std::string type = in_place == in_file.end() ? "" : in_place->second.type;
-    const dea::febio::ThicknessText meant = dea::febio::thickness_text(type, given);
-    if (meant == dea::febio::ThicknessText::Refused)
-      throw refuse_thickness(fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
-    if (meant == dea::febio::ThicknessText::Number) {
-      const std::optional<double> t = dea::febio::whole_double(given);
-      if (!t) throw refuse_thickness(fmt::format(": found \"{}\", expected a number with a decimal point", given));
-      if (*t != kNotGiven && !(*t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", *t));
-      if (*t != kNotGiven) layer.thickness = *t;
-    } else if (meant == dea::febio::ThicknessText::Map) {
-      FEDataMap* data = mesh.FindDataMap(given);
-      if (data == nullptr) {
-        const std::vector<std::string> maps = names_of_maps(mesh);
-        throw refuse_thickness(
-            fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
-                        dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
-                        dea::name_list(maps, given)));
-      }
-      auto* map = dynamic_cast<FESurfaceMap*>(data);
-      if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
-      const FEFacetSet* facets = map->GetFacetSet();
-      if (facets == nullptr || facets->GetName() != name)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"", map->GetName(),
-                                           facets == nullptr ? "" : facets->GetName(), name));
-      const dea::Surface& s = model.surfaces[at(index)];
-      for (int f = 0; f < s.size(); ++f) {
-        for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
-          const double t = map->value<double>(f, k);
-          if (!(t >= 0) || std::isinf(t))
-            throw refuse_thickness(
-                fmt::format(": the map \"{}\" is {:g} at facet {}, need a thickness >= 0", map->GetName(), t, f + 1));
-          layer.thickness_map.push_back(t);
-        }
-      }
-    }
-  }
-  contact.dea = dea;
-  return contact;
-}
 
 namespace {
 
@@ -341,6 +213,13 @@ void refuse_doubled_contacts(const dea::JointModel& model, const std::function<i
   }
 }
 
+/// A line each below the heading.
+std::string findings_text(std::string text, const dea::Findings& findings) {
+  for (const std::string& line : dea::coded_lines(findings, dea::febio_wording()))
+    text += fmt::format("  {}\n", dea::message_line(line));
+  return text;
+}
+
 }  // namespace
 
 template <class Action>
@@ -395,13 +274,12 @@ void FEDeaContact::build() {
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
-  std::string text = fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName());
-  for (const std::string& line : dea::coded_lines(dea::model_findings(model, bed->joint), dea::febio_wording()))
-    text += fmt::format("  {}\n", dea::message_line(line));
+  std::string text = findings_text(fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName()),
+                                   dea::model_findings(model, bed->joint));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
-    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,
-                        bed->joint.bodies[at(layer.body)].name);
+    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", dea::kSides[side],
+                        model.surfaces[at(layer.surface)].name, bed->joint.bodies[at(layer.body)].name);
     if (layer.rigid)
       text += "bare rigid surface";
     else
@@ -416,10 +294,8 @@ void FEDeaContact::build() {
     text += "\n";
   }
   dea::log_text(fem, text);
-  bed->model.files = std::move(model.files);
-  bed->model.node_ids = std::move(model.node_ids);
-  bed->model.surfaces = std::move(model.surfaces);
-  bed->model.contacts = std::move(model.contacts);
+  bed->model = std::move(model);
+  bed->solution.start = dea::reference_poses(bed->joint);
   bed_ = std::move(bed);
 }
 
@@ -445,9 +321,12 @@ void FEDeaContact::listen() {
         const bool good = self->update_fields();
         if (good && when == CB_MAJOR_ITERS) {  // of converged states, not of every retry
           self->warn_of_depth();
-          return self->keeps_to_its_planes();
+          return self->keeps_to_its_planes() && self->keep_state();
         }
-        if (good && when == CB_STEP_SOLVED) self->warn_of_failure();
+        if (good && when == CB_STEP_SOLVED) {
+          self->warn_of_failure();
+          if (fem->GetCurrentStepIndex() + 1 == fem->Steps()) self->tell_results();
+        }
         return good;
       },
       CB_INIT | CB_STEP_ACTIVE | CB_UPDATE_TIME | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED |
@@ -637,30 +516,32 @@ bool FEDeaContact::update_fields() {
 void FEDeaContact::make_fields() {
   Bed& b = *bed_;
   const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
-  if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return;
+  const int at_target = b.bed().target_body, at_source = b.bed().source_body;
+  if (b.output && same(target, b.shown.equilibrium.poses[at(at_target)]) &&
+      same(source, b.shown.equilibrium.poses[at(at_source)]))
+    return;
   if (!evaluate(1.0)) return;
   const dea::ContactPair& pair = b.joint.contacts.front();
-  dea::Equilibrium e;
+  b.shown = {};
+  dea::Equilibrium& e = b.shown.equilibrium;
   e.poses = dea::reference_poses(b.joint);
-  e.poses[at(b.bed().target_body)] = target;
-  e.poses[at(b.bed().source_body)] = source;
+  e.poses[at(at_target)] = target;
+  e.poses[at(at_source)] = source;
   e.springs = {b.springs};
   e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
   dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
-  std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
+  b.shown.fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     const dea::SurfaceMesh& mesh = layer.articular;
-    dea::SideFields& values = fields.front().sides[side];
+    const dea::SideFields& values = b.shown.fields.front().sides[side];
     std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
     for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
     std::vector<vec3d> tractions;
     for (std::size_t f = 0; f < area.size(); ++f)
       tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
-    (side == 0 ? primary_ : secondary_).set_fields(std::move(values), std::move(tractions));
+    (side == 0 ? primary_ : secondary_).set_fields(values, std::move(tractions));
   }
-  b.output_poses[0] = target;
-  b.output_poses[1] = source;
   b.output = true;
 }
 
@@ -668,10 +549,56 @@ bool FEDeaContact::keeps_to_its_planes() {
   if (!bed_ || !IsActive() || !bed_->output) return true;
   return guarded([&] {
     const Bed& b = *bed_;
-    std::vector<dea::Pose> poses = dea::reference_poses(b.joint);
-    poses[at(b.bed().target_body)] = b.output_poses[0];
-    poses[at(b.bed().source_body)] = b.output_poses[1];
-    dea::refuse_left_planes(b.model, b.joint, poses, GetFEModel()->GetCurrentTime());
+    dea::refuse_left_planes(b.model, b.joint, b.shown.equilibrium.poses, GetFEModel()->GetCurrentTime());
+  });
+}
+
+bool FEDeaContact::keep_state() {
+  if (!bed_ || !IsActive() || !bed_->output) return true;
+  return guarded([&] {
+    Bed& b = *bed_;
+    std::vector<dea::StateResult>& states = b.solution.states;
+    if (!states.empty()) {  // as large as the mesh: rules ask for them in the last state alone
+      states.back().fields.clear();
+      states.back().equilibrium.springs.clear();
+    }
+    dea::StateResult state = b.shown;
+    state.when = {GetFEModel()->GetCurrentTime(), GetFEModel()->GetCurrentStepIndex(), -1};
+    state.statistics = dea::contact_statistics(b.joint, b.beds, b.maps, state.equilibrium, state.fields);
+    const std::array<bool, 12> free = free_of(equations(b.bodies));
+    const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
+    state.equilibrium.outcome = any_free ? dea::Outcome::Balanced : dea::Outcome::Prescribed;
+    state.equilibrium.load = dea::kInfinity;  // FEBio's, not known here
+    states.push_back(std::move(state));
+    b.solution.free_to_move.assign(b.joint.bodies.size(), 0);
+    b.solution.free_to_turn = b.solution.free_to_move;
+    for (int i = 0; i < 12; ++i) {
+      const int body = i < 6 ? b.bed().target_body : b.bed().source_body;
+      if (free[at(i)]) (i % 6 < 3 ? b.solution.free_to_move : b.solution.free_to_turn)[at(body)] = 1;
+    }
+  });
+}
+
+void FEDeaContact::tell_results() {
+  const std::vector<const FEDeaContact*> all = contacts();
+  if (all.empty() || all.front() != this) return;  // one tells of all
+  guarded([&] {
+    std::vector<dea::Findings> found;
+    for (const FEDeaContact* contact : all) {
+      if (contact->attempt_.failed) return;  // the last state is no solution
+      found.push_back(dea::result_findings(contact->bed_->model, contact->bed_->joint, contact->bed_->solution));
+    }
+    // what names no part of the joint is of it as a whole: all its contacts have it
+    const auto counts = [&](const dea::Finding& f) {
+      const auto has_it = [&](const dea::Findings& one) { return std::find(one.begin(), one.end(), f) != one.end(); };
+      const bool of_a_part = !(f.subject.contact + f.subject.surface + f.subject.body).empty();
+      return of_a_part || std::all_of(found.begin(), found.end(), has_it);
+    };
+    dea::Findings told;
+    for (const dea::Findings& one : found)
+      for (const dea::Finding& f : one)
+        if (counts(f)) dea::add_once(told, {f});
+    if (!told.empty()) dea::log_text(*GetFEModel(), findings_text(dea::version_line() + ": results\n", told));
   });
 }
 

@@ -84,6 +84,8 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   void note_failure();
   void warn_of_depth();
   bool keeps_to_its_planes();  // false: a body has left a plane of symmetry, and the fault is told
+  bool keep_state();           // that FEBio has found, for the rules
+  void tell_results();         // what rules find in them, once for all contacts
   void warn_of_failure();      // FEBio found no balance: what this contact can say of why
   void fault(const char* what);
 

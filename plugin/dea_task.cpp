@@ -3,20 +3,23 @@
 #include <FEBioLib/FEBioModel.h>
 #include <fmt/format.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
+#include "io/files/system.h"
 #include "io/results/existing_plot.h"
 #include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "plugin/febio_log.h"
 #include "plugin/febio_wording.h"
-#include "plugin/interrupts.h"
 #include "plugin/read_fe_model.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/stop.h"
 #include "src/base/time_text.h"
 #include "src/rules/rules.h"
 #include "views/page/write_page.h"
@@ -26,6 +29,41 @@
 namespace {
 
 using namespace dea;
+
+constexpr int kSignals[2] = {SIGINT, SIGTERM};
+StopFlag stop_asked = false;
+static_assert(StopFlag::is_always_lock_free);  // a handler may set nothing else
+
+void on_signal(int signal) {
+  std::signal(signal, on_signal);
+  if (!stop_asked.exchange(true)) return;
+  remove_unfinished();
+  write_all(kStandardError, "dea: stopped\n");
+  std::_Exit(128 + signal);
+}
+
+/// For as long as it lives SIGINT (Ctrl-C) and SIGTERM set a flag, and a second one ends the program at once, without
+/// unfinished files. FEBio's own handler of SIGINT only makes a note for FEBio's solve, which a task has no part in; it
+/// is back afterwards.
+class Interrupts {
+ public:
+  Interrupts() {
+    stop_asked = false;
+    for (int i = 0; i < 2; ++i) {
+      before_[i] = std::signal(kSignals[i], on_signal);
+      if (before_[i] == SIG_IGN) std::signal(kSignals[i], SIG_IGN);
+    }
+  }
+  ~Interrupts() {
+    for (int i = 0; i < 2; ++i) std::signal(kSignals[i], before_[i] == SIG_ERR ? SIG_DFL : before_[i]);
+  }
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+
+ private:
+  using Handler = void (*)(int);
+  Handler before_[2];
+};
 
 /// The plot file that FEBio was told of (-p, or the model's own word); not its default name, where its own results lie.
 std::string plot_file_name(FEBioModel& fem) {
@@ -131,7 +169,7 @@ bool DeaTask::Run() {
     if (fem == nullptr) throw UsageError("the model is none of febio4's");
     open_log_file(*fem);
     log_text(*fem, version_line() + ": task dea");
-    return run(*fem, settings_file_, interrupts.stop(), writing);
+    return run(*fem, settings_file_, &stop_asked, writing);
   } catch (const Stopped&) {
     fault = writing ? "dea: stopped before all files were written" : "dea: stopped, nothing was written";
   } catch (const UsageError& e) {

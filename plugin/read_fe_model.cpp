@@ -46,51 +46,14 @@ using namespace fe;
 
 // -- mesh --------------------------------------------------------------------------------------------
 
-std::optional<ElementShape> shape_of(int shape) {
-  switch (shape) {
-    case ET_TET4:
-      return ElementShape::Tet4;
-    case ET_TET5:
-      return ElementShape::Tet5;
-    case ET_TET10:
-      return ElementShape::Tet10;
-    case ET_TET15:
-      return ElementShape::Tet15;
-    case ET_TET20:
-      return ElementShape::Tet20;
-    case ET_PENTA6:
-      return ElementShape::Penta6;
-    case ET_PENTA15:
-      return ElementShape::Penta15;
-    case ET_HEX8:
-      return ElementShape::Hex8;
-    case ET_HEX20:
-      return ElementShape::Hex20;
-    case ET_HEX27:
-      return ElementShape::Hex27;
-    case ET_PYRA5:
-      return ElementShape::Pyra5;
-    case ET_PYRA13:
-      return ElementShape::Pyra13;
-    case ET_QUAD4:
-      return ElementShape::Quad4;
-    case ET_QUAD8:
-      return ElementShape::Quad8;
-    case ET_QUAD9:
-      return ElementShape::Quad9;
-    case ET_TRI3:
-      return ElementShape::Tri3;
-    case ET_TRI6:
-      return ElementShape::Tri6;
-    case ET_TRUSS2:
-    case ET_LINE2:
-      return ElementShape::Line2;
-    case ET_LINE3:
-      return ElementShape::Line3;
-    default:
-      return std::nullopt;
-  }
-}
+constexpr std::pair<int, ElementShape> kShapes[] = {
+    {ET_TET4, ElementShape::Tet4},       {ET_TET5, ElementShape::Tet5},   {ET_TET10, ElementShape::Tet10},
+    {ET_TET15, ElementShape::Tet15},     {ET_TET20, ElementShape::Tet20}, {ET_PENTA6, ElementShape::Penta6},
+    {ET_PENTA15, ElementShape::Penta15}, {ET_HEX8, ElementShape::Hex8},   {ET_HEX20, ElementShape::Hex20},
+    {ET_HEX27, ElementShape::Hex27},     {ET_PYRA5, ElementShape::Pyra5}, {ET_PYRA13, ElementShape::Pyra13},
+    {ET_QUAD4, ElementShape::Quad4},     {ET_QUAD8, ElementShape::Quad8}, {ET_QUAD9, ElementShape::Quad9},
+    {ET_TRI3, ElementShape::Tri3},       {ET_TRI6, ElementShape::Tri6},   {ET_TRUSS2, ElementShape::Line2},
+    {ET_LINE2, ElementShape::Line2},     {ET_LINE3, ElementShape::Line3}};
 
 /// FEBio keeps numbers of nodes that do not exist where it looks at them only as it solves.
 void need_nodes(const Reading& reading, const char* what, const std::string& name, const std::vector<int>& nodes) {
@@ -102,14 +65,15 @@ void need_nodes(const Reading& reading, const char* what, const std::string& nam
 
 void read_domain(Reading& reading, FEDomain& fe) {
   if (fe.Elements() == 0) return;
-  const auto shape = shape_of(fe.ElementRef(0).Shape());
-  if (!shape) {
+  const auto* shape = std::find_if(std::begin(kShapes), std::end(kShapes),
+                                   [&](const auto& row) { return row.first == fe.ElementRef(0).Shape(); });
+  if (shape == std::end(kShapes)) {
     unsupported(reading, fmt::format("elements of a kind of their own in {}", quote(fe.GetName())));
     return;
   }
   Domain domain;
   domain.name = fe.GetName();
-  domain.shape = *shape;
+  domain.shape = shape->second;
   const auto material = reading.materials.find(fe.GetMaterial());
   if (material != reading.materials.end()) domain.material = material->second;
   bool thick = false;

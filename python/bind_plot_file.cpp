@@ -107,13 +107,6 @@ py::list fields_of(const PlotStateView& s, XpltGroup group, int region) {
   return all;
 }
 
-template <class List>
-std::vector<std::string> names_of(const List& list) {
-  std::vector<std::string> names;
-  for (const auto& item : list) names.push_back(utf8(item.name));
-  return names;
-}
-
 PlotSurfaceView surface_of(const PlotStateView& s, const std::string& name) {
   const int index = static_cast<int>(find_name("surface", name, names_of(s.mesh().surfaces)));
   return {s, index,
@@ -153,6 +146,12 @@ VtkCells cells_of_mesh(const XpltMesh& mesh) {
   return cells;
 }
 
+VtkCells cells_of_surface(const XpltFacets& facets) {
+  VtkCells cells;
+  append_facets(cells, facets.begin, facets.nodes);
+  return cells;
+}
+
 py::dict distribution_dict(const Distribution& d) {
   py::dict all;
   const std::pair<const char*, double> numbers[] = {
@@ -163,26 +162,20 @@ py::dict distribution_dict(const Distribution& d) {
 }
 
 void bind_field(py::module_& m) {
-  py::class_<FieldView>(m, "PlotField", "One variable on one region in one state.")
-      .def_property_readonly(
-          "name", [](const FieldView& f) { return text(f.what().name); }, "\"contact pressure\"")
-      .def_property_readonly(
-          "group", [](const FieldView& f) { return word_of_group(f.what().group); },
-          "\"global\", \"nodal\", \"domain\", \"surface\" or \"edge\".")
-      .def_property_readonly(
-          "type", [](const FieldView& f) { return word_of_type(f.what().type); }, "\"float\", \"vec3\", \"mat3s\", ...")
-      .def_property_readonly(
-          "format", [](const FieldView& f) { return word_of_format(f.what().format); },
-          "What has a value: \"node\" of the region, \"item\" (element, facet), \"mult\" (each node of each\n"
-          "item), \"region\".")
-      .def_property_readonly(
-          "units", [](const FieldView& f) { return text(f.what().units); },
-          "FEBio's code of its dimension, \"P\", \"L\"; \"\": none is given.")
-      .def_property_readonly(
-          "region", [](const FieldView& f) { return text(region_name(f)); },
-          "Name of the region; \"\": all nodes, or none.")
-      .def_property_readonly("values", &values_of,
-                             "(values,) or (values, components), single precision as in the file.")
+  Class<FieldView>(m, "PlotField", "One variable on one region in one state.")
+      .value("name", "\"contact pressure\"", [](const FieldView& f) { return f.what().name; })
+      .value("group", "\"global\", \"nodal\", \"domain\", \"surface\" or \"edge\".",
+             [](const FieldView& f) { return word_of_group(f.what().group); })
+      .value("type", "\"float\", \"vec3\", \"mat3s\", ...",
+             [](const FieldView& f) { return word_of_type(f.what().type); })
+      .value("format",
+             "What has a value: \"node\" of the region, \"item\" (element, facet), \"mult\" (each node of each\n"
+             "item), \"region\".",
+             [](const FieldView& f) { return word_of_format(f.what().format); })
+      .value("units", "FEBio's code of its dimension, \"P\", \"L\"; \"\": none is given.",
+             [](const FieldView& f) { return f.what().units; })
+      .value("region", "Name of the region; \"\": all nodes, or none.", &region_name)
+      .value("values", "(values,) or (values, components), single precision as in the file.", &values_of)
       .def("__repr__", [](const FieldView& f) {
         return text(fmt::format("<febiodea.PlotField {} ({}) on {}: {} numbers>", f.what().name,
                                 word_of_type(f.what().type), region_name(f).empty() ? "all" : region_name(f),
@@ -190,16 +183,14 @@ void bind_field(py::module_& m) {
       });
 }
 
-void add_surface_values(py::class_<PlotSurfaceView>& surface) {
+void add_surface_values(Class<PlotSurfaceView>& surface) {
   surface
-      .def_property_readonly(
-          "facet_areas", [](const PlotSurfaceView& v) { return look(v.surface->facet_areas, v.surface); }, "(facets,)")
-      .def_property_readonly(
-          "nodal_areas", [](const PlotSurfaceView& v) { return kept(nodal_areas(*v.surface)); },
-          "(vertices,) equal shares of the facets around each.")
-      .def_property_readonly(
-          "fields", [](const PlotSurfaceView& v) { return fields_of(v.in, XpltGroup::Surface, v.index + 1); },
-          "All that the file has on it, as it is there.")
+      .value("facet_areas", "(facets,)",
+             [](const PlotSurfaceView& v) { return look(v.surface->facet_areas, v.surface); })
+      .value("nodal_areas", "(vertices,) equal shares of the facets around each.",
+             [](const PlotSurfaceView& v) { return kept(nodal_areas(*v.surface)); })
+      .value("fields", "All that the file has on it, as it is there.",
+             [](const PlotSurfaceView& v) { return fields_of(v.in, XpltGroup::Surface, v.index + 1); })
       .def(
           "facet", [](const PlotSurfaceView& v, const std::string& field) { return kept(facet_field(v, field)); },
           py::arg("field"), "(facets,) a scalar field: the mean of values per node; NaN: not finite in the file.")
@@ -223,7 +214,7 @@ auto measured(const PlotSurfaceView& v, const std::string& field) {
   return unlocked([&] { return measure(*v.surface, {facet_field(v, field), {}}, {0.0}); });
 }
 
-void add_surface_numbers(py::class_<PlotSurfaceView>& surface) {
+void add_surface_numbers(Class<PlotSurfaceView>& surface) {
   surface
       .def(
           "headline",
@@ -269,76 +260,48 @@ void add_surface_numbers(py::class_<PlotSurfaceView>& surface) {
 }
 
 void bind_plot_surface(py::module_& m) {
-  py::class_<PlotSurfaceView> surface(
-      m, "PlotSurface", "A surface in one state. Areas and places are those of the reference configuration.");
-  surface
-      .def_property_readonly(
-          "name", [](const PlotSurfaceView& v) { return text(v.surface->name); }, "Its name.")
-      .def_property_readonly(
-          "facets", [](const PlotSurfaceView& v) { return padded(v.facets().begin, v.facets().nodes); },
-          "(facets, most nodes) rows of PlotState.points, filled up with -1.")
-      .def_property_readonly(
-          "cells",
-          [](const PlotSurfaceView& v) {
-            VtkCells cells;
-            append_facets(cells, v.facets().begin, v.facets().nodes);
-            return kept(cells.cells);
-          },
-          "Its facets as pyvista takes them, on PlotState.points.")
-      .def_property_readonly(
-          "cell_types",
-          [](const PlotSurfaceView& v) {
-            VtkCells cells;
-            append_facets(cells, v.facets().begin, v.facets().nodes);
-            return kept(cells.types);
-          },
-          "(facets,) VTK's number of each facet's type.")
-      .def_property_readonly(
-          "points", [](const PlotSurfaceView& v) { return look(v.surface->mesh.vertices, v.surface); },
-          "(vertices, 3) of the surface alone, reference.")
-      .def_property_readonly(
-          "triangles", [](const PlotSurfaceView& v) { return look(v.surface->mesh.triangles, v.surface); },
-          "(triangles, 3) the surface as triangles of `points`.");
+  Class<PlotSurfaceView> surface(m, "PlotSurface",
+                                 "A surface in one state. Areas and places are those of the reference configuration.");
+  surface.value("name", "Its name.", [](const PlotSurfaceView& v) { return v.surface->name; })
+      .value("facets", "(facets, most nodes) rows of PlotState.points, filled up with -1.",
+             [](const PlotSurfaceView& v) { return padded(v.facets().begin, v.facets().nodes); })
+      .value("cells", "Its facets as pyvista takes them, on PlotState.points.",
+             [](const PlotSurfaceView& v) { return kept(cells_of_surface(v.facets()).cells); })
+      .value("cell_types", "(facets,) VTK's number of each facet's type.",
+             [](const PlotSurfaceView& v) { return kept(cells_of_surface(v.facets()).types); })
+      .value("points", "(vertices, 3) of the surface alone, reference.",
+             [](const PlotSurfaceView& v) { return look(v.surface->mesh.vertices, v.surface); })
+      .value("triangles", "(triangles, 3) the surface as triangles of `points`.",
+             [](const PlotSurfaceView& v) { return look(v.surface->mesh.triangles, v.surface); });
   add_surface_values(surface);
   add_surface_numbers(surface);
 }
 
 void bind_plot_state(py::module_& m) {
-  py::class_<PlotStateView>(m, "PlotState", "One state of a plot file.")
-      .def_property_readonly(
-          "time", [](const PlotStateView& s) { return s.values().time; }, "As the file has it, in single precision.")
-      .def_property_readonly(
-          "points", [](const PlotStateView& s) { return floats_as_points(s.mesh().coordinates, s.file); },
-          "(nodes, 3) reference positions.")
-      .def_property_readonly(
-          "node_ids", [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); }, "(nodes,) their numbers.")
-      .def_property_readonly(
-          "cells", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).cells); },
-          "All elements as pyvista takes them: number of nodes, nodes in VTK's order.")
-      .def_property_readonly(
-          "cell_types", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).types); },
-          "(elements,) VTK's number of each element's type.")
-      .def_property_readonly(
-          "domains",
-          [](const PlotStateView& s) {
-            py::list all;
-            for (const XpltDomain& domain : s.mesh().domains) all.append(text(domain_name(s.mesh(), domain)));
-            return all;
-          },
-          "Their names, in the order of `cells`; of one without a name that of its part.")
-      .def_property_readonly(
-          "surfaces", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); }, "Names of the surfaces.")
-      .def_property_readonly(
-          "node_sets",
-          [](const PlotStateView& s) {
-            py::dict all;
-            for (const XpltSet& set : s.mesh().node_sets) all[text(set.name)] = look(set.items, s.file);
-            return all;
-          },
-          "By their names the rows of `points`.")
-      .def_property_readonly(
-          "fields", [](const PlotStateView& s) { return fields_of(s, XpltGroup::Global, 0); },
-          "Every field of the state.")
+  Class<PlotStateView>(m, "PlotState", "One state of a plot file.")
+      .value("time", "As the file has it, in single precision.", [](const PlotStateView& s) { return s.values().time; })
+      .value("points", "(nodes, 3) reference positions.",
+             [](const PlotStateView& s) { return floats_as_points(s.mesh().coordinates, s.file); })
+      .value("node_ids", "(nodes,) their numbers.",
+             [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); })
+      .value("cells", "All elements as pyvista takes them: number of nodes, nodes in VTK's order.",
+             [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).cells); })
+      .value("cell_types", "(elements,) VTK's number of each element's type.",
+             [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).types); })
+      .value("domains", "Their names, in the order of `cells`; of one without a name that of its part.",
+             [](const PlotStateView& s) {
+               const std::vector<XpltDomain>& domains = s.mesh().domains;
+               return list_of(domains.size(), [&](std::size_t d) { return text(domain_name(s.mesh(), domains[d])); });
+             })
+      .value("surfaces", "Names of the surfaces.", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); })
+      .value("node_sets", "By their names the rows of `points`.",
+             [](const PlotStateView& s) {
+               py::dict all;
+               for (const XpltSet& set : s.mesh().node_sets) all[text(set.name)] = look(set.items, s.file);
+               return all;
+             })
+      .value("fields", "Every field of the state.",
+             [](const PlotStateView& s) { return fields_of(s, XpltGroup::Global, 0); })
       .def("surface", &surface_of, py::arg("name"), "The surface of this name.")
       .def(
           "nodal",
@@ -352,26 +315,18 @@ void bind_plot_state(py::module_& m) {
 }
 
 py::list plot_states(const File& file) {
-  py::list all;
-  for (int s = 0; s < static_cast<int>(file->xplt.states.size()); ++s) all.append(PlotStateView{file, s});
-  return all;
+  return list_of(file->xplt.states.size(), [&](std::size_t s) { return PlotStateView{file, static_cast<int>(s)}; });
 }
 
 void bind_file(py::module_& m) {
-  py::class_<ResultFile, File>(m, "PlotFile",
-                               "A plot file of FEBio, of dea or of another program.\n\nMade by read_xplt.")
-      .def_property_readonly(
-          "path", [](const ResultFile& f) { return text(f.path); }, "As it was named.")
-      .def_property_readonly(
-          "software", [](const ResultFile& f) { return text(f.xplt.software); }, "What wrote it.")
-      .def_property_readonly(
-          "units", [](const ResultFile& f) { return text(f.xplt.units); }, "Its system of units; \"\": it names none.")
-      .def_property_readonly(
-          "compressed", [](const ResultFile& f) { return f.xplt.compressed; }, "It is compressed.")
-      .def_property_readonly(
-          "truncated", [](const ResultFile& f) { return f.xplt.truncated; },
-          "It was cut off; its last state was left out (read with partial=True).")
-      .def_property_readonly("states", &plot_states, "Its states in order.")
+  Class<ResultFile, File>(m, "PlotFile", "A plot file of FEBio, of dea or of another program.\n\nMade by read_xplt.")
+      .value("path", "As it was named.", [](const ResultFile& f) { return f.path; })
+      .value("software", "What wrote it.", [](const ResultFile& f) { return f.xplt.software; })
+      .value("units", "Its system of units; \"\": it names none.", [](const ResultFile& f) { return f.xplt.units; })
+      .value("compressed", "It is compressed.", [](const ResultFile& f) { return f.xplt.compressed; })
+      .value("truncated", "It was cut off; its last state was left out (read with partial=True).",
+             [](const ResultFile& f) { return f.xplt.truncated; })
+      .value("states", "Its states in order.", &plot_states)
       .def(
           "state",
           [](const File& f, double time) {

@@ -282,18 +282,16 @@ struct PressedView {
 };
 
 void bind_joint(py::module_& m) {
-  py::class_<PreparedJoint, Joint_>(
+  Class<PreparedJoint, Joint_>(
       m, "Prepared",
       "A joint made ready once: springs placed, layers factorised. It never changes; several threads may use one at a\n"
       "time, and the same call gives the same bits.\n\nMade by prepare.")
-      .def_property_readonly(
-          "recognition", [](const PreparedJoint& j) { return std::const_pointer_cast<Recognised>(j.recognised); },
-          "What it was prepared from.")
-      .def_property_readonly(
-          "bodies", [](const PreparedJoint& j) { return body_names(j.prepared.joint); },
-          "Names of the rigid bodies, in the order of arrays of poses.")
-      .def_property_readonly(
-          "contacts", [](const PreparedJoint& j) { return contact_names(j.prepared.joint); }, "Names of the contacts.")
+      .value("recognition", "What it was prepared from.",
+             [](const PreparedJoint& j) { return std::const_pointer_cast<Recognised>(j.recognised); })
+      .value("bodies", "Names of the rigid bodies, in the order of arrays of poses.",
+             [](const PreparedJoint& j) { return names_of(j.prepared.joint.bodies); })
+      .value("contacts", "Names of the contacts.",
+             [](const PreparedJoint& j) { return names_of(j.prepared.joint.contacts); })
       .def("_solve", &solve_joint)
       .def("press", &press_joint, py::arg("pose") = py::none(),
            "All contacts at given poses, without a search for the poses.\n\n"
@@ -307,41 +305,31 @@ void bind_joint(py::module_& m) {
 }
 
 void bind_pressed_contact(py::module_& m) {
-  py::class_<PressedView>(m, "PressedContact", "What one contact does at given poses.")
-      .def_property_readonly(
-          "name", [](const PressedView& v) { return text(v.of->joint->prepared.joint.contacts[v.index].name); },
-          "Of the contact.")
-      .def_property_readonly(
-          "springs",
-          [](const PressedView& v) {
-            return SpringsView{v.of, &v.contact().springs};
-          },
-          "Its springs: arrays, one entry per spring.")
-      .def_property_readonly(
-          "force", [](const PressedView& v) { return vector3(v.contact().on_target.head<3>()); },
-          "(3,) on the target, global.")
-      .def_property_readonly(
-          "moment", [](const PressedView& v) { return vector3(v.contact().on_target.tail<3>()); },
-          "(3,) on the target, about its current centre of mass.")
-      .def_property_readonly(
-          "force_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.head<3>()); },
-          "(3,) the opposite force.")
-      .def_property_readonly(
-          "moment_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.tail<3>()); },
-          "(3,) on the source, about its current centre of mass.")
-      .def_property_readonly(
-          "derivative", [](const PressedView& v) { return matrix6(v.contact().derivative); },
-          "(6, 6) of (force, moment) by small motions of the target (translation of its centre of\n"
-          "mass, rotation [rad], global axes), the source held.")
-      .def_property_readonly(
-          "stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
-          "(6, 6) minus `derivative`: what resists the motion.")
-      .def_property_readonly(
-          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.")
-      .def_property_readonly(
-          "headline",
-          [](const PressedView& v) { return headline_tuple(unlocked([&] { return headline_of(*v.of, v.index); })); },
-          "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
+  Class<PressedView>(m, "PressedContact", "What one contact does at given poses.")
+      .value("name", "Of the contact.",
+             [](const PressedView& v) { return v.of->joint->prepared.joint.contacts[v.index].name; })
+      .value("springs", "Its springs: arrays, one entry per spring.",
+             [](const PressedView& v) {
+               return SpringsView{v.of, &v.contact().springs};
+             })
+      .value("force", "(3,) on the target, global.",
+             [](const PressedView& v) { return vector3(v.contact().on_target.head<3>()); })
+      .value("moment", "(3,) on the target, about its current centre of mass.",
+             [](const PressedView& v) { return vector3(v.contact().on_target.tail<3>()); })
+      .value("force_on_source", "(3,) the opposite force.",
+             [](const PressedView& v) { return vector3(v.contact().on_source.head<3>()); })
+      .value("moment_on_source", "(3,) on the source, about its current centre of mass.",
+             [](const PressedView& v) { return vector3(v.contact().on_source.tail<3>()); })
+      .value("derivative",
+             "(6, 6) of (force, moment) by small motions of the target (translation of its centre of\n"
+             "mass, rotation [rad], global axes), the source held.",
+             [](const PressedView& v) { return matrix6(v.contact().derivative); })
+      .value("stiffness", "(6, 6) minus `derivative`: what resists the motion.",
+             [](const PressedView& v) { return matrix6(-v.contact().derivative); })
+      .value("normal_force", "Sum of pressure times area.",
+             [](const PressedView& v) { return v.contact().normal_force; })
+      .value("headline", "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).",
+             [](const PressedView& v) { return unlocked([&] { return headline_of(*v.of, v.index); }); })
       .def("__repr__", [](const PressedView& v) {
         return text(fmt::format("<febiodea.PressedContact {}: normal force {:.4g}>",
                                 v.of->joint->prepared.joint.contacts[v.index].name, v.contact().normal_force));
@@ -350,43 +338,32 @@ void bind_pressed_contact(py::module_& m) {
 
 void bind_pressed(py::module_& m) {
   bind_pressed_contact(m);
-  py::class_<PressedJoint, std::shared_ptr<PressedJoint>>(m, "Pressed", "All contacts of a joint at given poses.")
+  Class<PressedJoint, std::shared_ptr<PressedJoint>>(m, "Pressed", "All contacts of a joint at given poses.")
       .def(
           "contact",
           [](const std::shared_ptr<PressedJoint>& p, const std::string& name) {
             return PressedView{p, find_contact(p->joint->prepared.joint, name)};
           },
           py::arg("name") = "", "The contact of this name; without a name: the only one.")
-      .def_property_readonly(
-          "contacts",
-          [](const std::shared_ptr<PressedJoint>& p) {
-            py::list all;
-            for (std::size_t c = 0; c < p->pressed.contacts.size(); ++c) all.append(PressedView{p, c});
-            return all;
-          },
-          "One PressedContact per contact of the joint.")
-      .def_property_readonly(
-          "on_body",
-          [](const PressedJoint& p) {
-            py::dict all;
-            for (std::size_t b = 0; b < p.pressed.on_body.size(); ++b) {
-              const Vector6& w = p.pressed.on_body[b];
-              all[text(p.joint->prepared.joint.bodies[b].name)] =
-                  py::make_tuple(vector3(w.head<3>()), vector3(w.tail<3>()));
-            }
-            return all;
-          },
-          "Per body (force, moment) of all contacts, about its current centre of mass, global.")
-      .def_property_readonly(
-          "poses",
-          [](const PressedJoint& p) {
-            py::dict all;
-            const std::vector<Body>& bodies = p.joint->prepared.joint.bodies;
-            for (std::size_t b = 0; b < bodies.size(); ++b)
-              all[text(bodies[b].name)] = matrix_of(p.poses[b], bodies[b].center_of_mass);
-            return all;
-          },
-          "Per body its pose, (4, 4).")
+      .value("contacts", "One PressedContact per contact of the joint.",
+             [](const std::shared_ptr<PressedJoint>& p) {
+               return list_of(p->pressed.contacts.size(), [&](std::size_t c) { return PressedView{p, c}; });
+             })
+      .value("on_body", "Per body (force, moment) of all contacts, about its current centre of mass, global.",
+             [](const PressedJoint& p) {
+               py::dict all;
+               for (std::size_t b = 0; b < p.pressed.on_body.size(); ++b)
+                 all[text(p.joint->prepared.joint.bodies[b].name)] = force_and_moment(p.pressed.on_body[b]);
+               return all;
+             })
+      .value("poses", "Per body its pose, (4, 4).",
+             [](const PressedJoint& p) {
+               py::dict all;
+               const std::vector<Body>& bodies = p.joint->prepared.joint.bodies;
+               for (std::size_t b = 0; b < bodies.size(); ++b)
+                 all[text(bodies[b].name)] = matrix_of(p.poses[b], bodies[b].center_of_mass);
+               return all;
+             })
       .def("__repr__", [](const PressedJoint& p) {
         return fmt::format("<febiodea.Pressed: {} contact{}>", p.pressed.contacts.size(),
                            p.pressed.contacts.size() == 1 ? "" : "s");

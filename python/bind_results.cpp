@@ -9,7 +9,6 @@
 #include "io/vtu/write_vtu.h"
 #include "python/bind.h"
 #include "python/errors.h"
-#include "python/findings.h"
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"
@@ -60,22 +59,17 @@ Json result_json(const Analysed& a) {
 }
 
 py::list states_of(const Result_& a) {
-  py::list all;
-  for (std::size_t s = 0; s < a->analysis.states.size(); ++s) all.append(view_of(a, s));
-  return all;
+  return list_of(a->analysis.states.size(), [&](std::size_t s) { return view_of(a, s); });
 }
 
 void bind_result(py::module_& m) {
-  py::class_<Analysed, Result_>(m, "Result", "All states of an analysis.\n\nMade by analyse.")
-      .def_property_readonly(
-          "recognition", [](const Analysed& a) { return std::const_pointer_cast<Recognised>(a.recognised); },
-          "What was analysed.")
-      .def_property_readonly("states", &states_of, "Its states in order of time.")
-      .def_property_readonly(
-          "solved", [](const Analysed& a) { return all_solved(a.analysis); }, "Every state is a solution.")
-      .def_property_readonly(
-          "findings", [](const Analysed& a) { return findings_list(a.analysis.findings); },
-          "What was concluded, left out or is doubtful, a line each.")
+  Class<Analysed, Result_>(m, "Result", "All states of an analysis.\n\nMade by analyse.")
+      .value("recognition", "What was analysed.",
+             [](const Analysed& a) { return std::const_pointer_cast<Recognised>(a.recognised); })
+      .value("states", "Its states in order of time.", &states_of)
+      .value("solved", "Every state is a solution.", [](const Analysed& a) { return all_solved(a.analysis); })
+      .value("findings", "What was concluded, left out or is doubtful, a line each.",
+             [](const Analysed& a) { return findings_list(a.analysis.findings); })
       .def(
           "to_dict", [](const Analysed& a) { return plain(unlocked([&] { return result_json(a); })); },
           "What `dea run --json` writes, as a dictionary.")
@@ -107,10 +101,8 @@ py::dict poses_of(const StateView& v) {
 
 py::dict reactions_of(const StateView& v) {
   py::dict all;
-  for (const int b : reported_bodies(*v.joint)) {
-    const Vector6& r = v.state->equilibrium.reaction[at(b)];
-    all[text(v.joint->bodies[at(b)].name)] = py::make_tuple(vector3(r.head<3>()), vector3(r.tail<3>()));
-  }
+  for (const int b : reported_bodies(*v.joint))
+    all[text(v.joint->bodies[at(b)].name)] = force_and_moment(v.state->equilibrium.reaction[at(b)]);
   return all;
 }
 
@@ -133,45 +125,32 @@ py::list inside_of(const StateView& v) {
 Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
 
 void bind_state(py::module_& m) {
-  py::class_<StateView>(m, "State", "One state: poses, forces, contacts.")
-      .def_property_readonly(
-          "time", [](const StateView& v) { return v.state->when.time; }, "The model's time.")
-      .def_property_readonly(
-          "step", [](const StateView& v) { return v.state->when.step + 1; }, "Step of the model, from 1 on.")
-      .def_property_readonly(
-          "outcome", [](const StateView& v) { return name(v.state->equilibrium.outcome); },
-          "\"Balanced\", \"Prescribed\", ... (docs/theory.md)")
-      .def_property_readonly(
-          "solved", [](const StateView& v) { return solved(v.state->equilibrium.outcome); }, "It is a solution.")
-      .def_property_readonly(
-          "message", [](const StateView& v) { return text(outcome_text(v.state->equilibrium, python_wording())); },
-          "The sentence behind the outcome.")
-      .def_property_readonly(
-          "iterations", [](const StateView& v) { return v.state->equilibrium.iterations; }, "Newton steps.")
-      .def_property_readonly("poses", &poses_of,
-                             "Per body its pose, (4, 4): x = R X + t, the identity is where the file has it. Global.")
-      .def_property_readonly("reactions", &reactions_of,
-                             "Per body (force, moment) by what loads and holds it, about its current centre of mass.")
-      .def_property_readonly(
-          "displacements", [](const StateView& v) { return look(v.state->displacements, v.owner); },
-          "(nodes, 3) of all nodes of the model, cartilage compressed.")
-      .def_property_readonly(
-          "inside", &inside_of,
-          "With the setting inside: per part of deformable solid elements a dictionary: \"part\", \"material\",\n"
-          "\"element\" (elements,) ids, \"stress\" (elements, 6) Cauchy, global, and \"strain\" (elements, 6) "
-          "Lagrange,\n"
-          "xx yy zz xy yz xz at the centroids, 0 where no contact's cartilage is; []: without.")
-      .def_property_readonly(
-          "statistics", [](const StateView& v) { return plain(statistics_of(v)); },
-          "All numbers of the state by their names in JSON.")
-      .def_property_readonly(
-          "contacts",
-          [](const StateView& v) {
-            py::list all;
-            for (std::size_t c = 0; c < v.joint->contacts.size(); ++c) all.append(ContactView{v, c});
-            return all;
-          },
-          "Its contacts, in the order of the model.")
+  Class<StateView>(m, "State", "One state: poses, forces, contacts.")
+      .value("time", "The model's time.", [](const StateView& v) { return v.state->when.time; })
+      .value("step", "Step of the model, from 1 on.", [](const StateView& v) { return v.state->when.step + 1; })
+      .value("outcome", "\"Balanced\", \"Prescribed\", ... (docs/theory.md)",
+             [](const StateView& v) { return name(v.state->equilibrium.outcome); })
+      .value("solved", "It is a solution.", [](const StateView& v) { return solved(v.state->equilibrium.outcome); })
+      .value("message", "The sentence behind the outcome.",
+             [](const StateView& v) { return outcome_text(v.state->equilibrium, python_wording()); })
+      .value("iterations", "Newton steps.", [](const StateView& v) { return v.state->equilibrium.iterations; })
+      .value("poses", "Per body its pose, (4, 4): x = R X + t, the identity is where the file has it. Global.",
+             &poses_of)
+      .value("reactions", "Per body (force, moment) by what loads and holds it, about its current centre of mass.",
+             &reactions_of)
+      .value("displacements", "(nodes, 3) of all nodes of the model, cartilage compressed.",
+             [](const StateView& v) { return look(v.state->displacements, v.owner); })
+      .value("inside",
+             "With the setting inside: per part of deformable solid elements a dictionary: \"part\", \"material\",\n"
+             "\"element\" (elements,) ids, \"stress\" (elements, 6) Cauchy, global, and \"strain\" (elements, 6) "
+             "Lagrange,\n"
+             "xx yy zz xy yz xz at the centroids, 0 where no contact's cartilage is; []: without.",
+             &inside_of)
+      .value("statistics", "All numbers of the state by their names in JSON.", &statistics_of)
+      .value("contacts", "Its contacts, in the order of the model.",
+             [](const StateView& v) {
+               return list_of(v.joint->contacts.size(), [&](std::size_t c) { return ContactView{v, c}; });
+             })
       .def(
           "contact",
           [](const StateView& v, const std::string& name) {
@@ -187,55 +166,37 @@ void bind_state(py::module_& m) {
 SideView source_side(const ContactView& v) { return {v, v.pair().source}; }
 SideView target_side(const ContactView& v) { return {v, 1 - v.pair().source}; }
 
-py::str body_of(const SideView& v) { return text(v.of.in.joint->bodies[at(v.layer().body)].name); }
+const std::string& body_of(const SideView& v) { return v.of.in.joint->bodies[at(v.layer().body)].name; }
+const std::string& surface_name(const SideView& v) { return v.of.in.model().surfaces[at(v.layer().surface)].name; }
 
 void bind_contact(py::module_& m) {
-  py::class_<ContactView>(m, "Contact",
-                          "One contact in one state. Its springs stand on the source and press the target.")
-      .def_property_readonly(
-          "name", [](const ContactView& v) { return text(v.pair().name); }, "Of the contact.")
-      .def_property_readonly(
-          "source", [](const ContactView& v) { return source_side(v); }, "The side with the springs.")
-      .def_property_readonly(
-          "target", [](const ContactView& v) { return target_side(v); }, "The other side.")
-      .def_property_readonly(
-          "springs",
-          [](const ContactView& v) {
-            return SpringsView{v.in.owner, &(*v.in.springs)[v.index]};
-          },
-          "Its springs: arrays, one entry per spring.")
-      .def_property_readonly(
-          "facets", [](const ContactView& v) { return FacetsView{source_side(v)}; },
-          "Facets of the source's surface: arrays.")
-      .def_property_readonly(
-          "nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
-          "Nodes of the source's articular surface: arrays.")
-      .def_property_readonly(
-          "headline", [](const ContactView& v) { return headline_tuple(v.statistics().headline); },
-          "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
-      .def_property_readonly(
-          "compartments",
-          [](const ContactView& v) {
-            py::list all;
-            for (std::size_t i = 0; i < v.statistics().compartments.size(); ++i) all.append(CompartmentView{v, i});
-            return all;
-          },
-          "The pieces of its surface, such as a tibia's plateaus; []: it is one piece.")
-      .def_property_readonly(
-          "force", [](const ContactView& v) { return vector3(v.statistics().force); }, "(3,) on the target, global.")
-      .def_property_readonly(
-          "moment", [](const ContactView& v) { return vector3(v.statistics().moment); },
-          "(3,) on the target, about its current centre of mass.")
-      .def_property_readonly(
-          "center_of_pressure", [](const ContactView& v) { return vector3(v.statistics().center_of_pressure); },
-          "(3,) current; NaN: no pressure.")
-      .def_property_readonly(
-          "statistics",
-          [](const ContactView& v) {
-            return plain(
-                contact_json(v.in.model(), *v.in.joint, v.pair(), v.statistics(), v.in.state->fields[v.index]));
-          },
-          "All numbers of the contact by their names in JSON.")
+  Class<ContactView>(m, "Contact", "One contact in one state. Its springs stand on the source and press the target.")
+      .value("name", "Of the contact.", [](const ContactView& v) { return v.pair().name; })
+      .value("source", "The side with the springs.", &source_side)
+      .value("target", "The other side.", &target_side)
+      .value("springs", "Its springs: arrays, one entry per spring.",
+             [](const ContactView& v) {
+               return SpringsView{v.in.owner, &(*v.in.springs)[v.index]};
+             })
+      .value("facets", "Facets of the source's surface: arrays.",
+             [](const ContactView& v) { return FacetsView{source_side(v)}; })
+      .value("nodes", "Nodes of the source's articular surface: arrays.",
+             [](const ContactView& v) { return NodesView{source_side(v)}; })
+      .value("headline", "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).",
+             [](const ContactView& v) { return v.statistics().headline; })
+      .value("compartments", "The pieces of its surface, such as a tibia's plateaus; []: it is one piece.",
+             [](const ContactView& v) {
+               return list_of(v.statistics().compartments.size(), [&](std::size_t i) { return CompartmentView{v, i}; });
+             })
+      .value("force", "(3,) on the target, global.", [](const ContactView& v) { return v.statistics().force; })
+      .value("moment", "(3,) on the target, about its current centre of mass.",
+             [](const ContactView& v) { return v.statistics().moment; })
+      .value("center_of_pressure", "(3,) current; NaN: no pressure.",
+             [](const ContactView& v) { return v.statistics().center_of_pressure; })
+      .value("statistics", "All numbers of the contact by their names in JSON.",
+             [](const ContactView& v) {
+               return (contact_json(v.in.model(), *v.in.joint, v.pair(), v.statistics(), v.in.state->fields[v.index]));
+             })
       .def("__repr__", [](const ContactView& v) {
         return text(fmt::format("<febiodea.Contact {}: p99 {:.4g}, area {:.4g}>", v.pair().name,
                                 v.statistics().headline.p99, v.statistics().headline.area));
@@ -243,32 +204,22 @@ void bind_contact(py::module_& m) {
 }
 
 void bind_side(py::module_& m) {
-  py::class_<SideView>(m, "Side", "One side of a contact: a surface and the body it moves with.")
-      .def_property_readonly("body", &body_of, "Name of its body.")
-      .def_property_readonly(
-          "surface", [](const SideView& v) { return text(v.of.in.model().surfaces[at(v.layer().surface)].name); },
-          "Name of its surface.")
-      .def_property_readonly(
-          "facets", [](const SideView& v) { return FacetsView{v}; }, "Its facets: arrays.")
-      .def_property_readonly(
-          "nodes", [](const SideView& v) { return NodesView{v}; }, "Its nodes: arrays.")
-      .def_property_readonly(
-          "force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.")
+  Class<SideView>(m, "Side", "One side of a contact: a surface and the body it moves with.")
+      .value("body", "Name of its body.", &body_of)
+      .value("surface", "Name of its surface.", &surface_name)
+      .value("facets", "Its facets: arrays.", [](const SideView& v) { return FacetsView{v}; })
+      .value("nodes", "Its nodes: arrays.", [](const SideView& v) { return NodesView{v}; })
+      .value("force", "(3,) of the contact on this side.", [](const SideView& v) { return v.fields().force; })
       .def("__repr__", [](const SideView& v) {
-        return text(fmt::format("<febiodea.Side {} of body {}>", v.of.in.model().surfaces[at(v.layer().surface)].name,
-                                v.of.in.joint->bodies[at(v.layer().body)].name));
+        return text(fmt::format("<febiodea.Side {} of body {}>", surface_name(v), body_of(v)));
       });
-  py::class_<CompartmentView>(m, "Compartment", "What one piece of a contact's surface carries.")
-      .def_property_readonly(
-          "name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
-      .def_property_readonly(
-          "headline", [](const CompartmentView& v) { return headline_tuple(v.load().headline); },
-          "p99, mean, area, peak of its share.")
-      .def_property_readonly(
-          "force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")
-      .def_property_readonly(
-          "center_of_pressure", [](const CompartmentView& v) { return vector3(v.load().center_of_pressure); },
-          "(3,) of its springs, current; NaN: it carries nothing.")
+  Class<CompartmentView>(m, "Compartment", "What one piece of a contact's surface carries.")
+      .value("name", "Its name.", [](const CompartmentView& v) { return compartment_names(v.of.pair())[v.index]; })
+      .value("headline", "p99, mean, area, peak of its share.",
+             [](const CompartmentView& v) { return v.load().headline; })
+      .value("force", "(3,) on the target, global.", [](const CompartmentView& v) { return v.load().force; })
+      .value("center_of_pressure", "(3,) of its springs, current; NaN: it carries nothing.",
+             [](const CompartmentView& v) { return v.load().center_of_pressure; })
       .def("__repr__", [](const CompartmentView& v) {
         return text(fmt::format("<febiodea.Compartment {}: p99 {:.4g}, area {:.4g}>",
                                 compartment_names(v.of.pair())[v.index], v.load().headline.p99,
@@ -278,13 +229,12 @@ void bind_side(py::module_& m) {
 
 /// A column of springs: a member of SpringStates.
 template <class Values>
-void add_column(py::class_<SpringsView>& to, const char* name, Values SpringStates::*values, const char* help) {
-  to.def_property_readonly(
-      name, [values](const SpringsView& v) { return look(v.states->*values, v.owner); }, help);
+void add_column(Class<SpringsView>& to, const char* name, Values SpringStates::*values, const char* help) {
+  to.value(name, help, [values](const SpringsView& v) { return look(v.states->*values, v.owner); });
 }
 
 void bind_springs(py::module_& m) {
-  py::class_<SpringsView> springs(
+  Class<SpringsView> springs(
       m, "Springs",
       "Springs of a contact at one pose, one entry each: current configuration, global frame, the model's units.");
   add_column(springs, "pressure", &SpringStates::pressure, "(springs,) >= 0.");
@@ -321,39 +271,33 @@ std::vector<Vector3d> facet_centers_of(const SideView& v) {
 }
 
 void bind_facets(py::module_& m) {
-  py::class_<FacetsView> facets(m, "Facets", "Facets of one side's surface in one state, in the model's order.");
+  Class<FacetsView> facets(m, "Facets", "Facets of one side's surface in one state, in the model's order.");
   for (const FacetField& field : facet_fields()) {  // a new one appears by itself
     const auto values = field.values;
-    facets.def_property_readonly(
-        field.column, [values](const FacetsView& v) { return look(v.of.fields().*values, v.of.of.in.owner); },
-        (std::string("(facets,) ") + field.name + ".").c_str());
+    facets.value(field.column, (std::string("(facets,) ") + field.name + ".").c_str(),
+                 [values](const FacetsView& v) { return look(v.of.fields().*values, v.of.of.in.owner); });
   }
   for (const FacetField& field : inside_facet_fields()) {
     const auto values = field.values;
-    facets.def_property_readonly(
+    facets.value(
         field.column,
+        (std::string("(facets,) ") + field.name + ", with the setting inside; None: without, or no cartilage.").c_str(),
         [values](const FacetsView& v) -> py::object {
           const std::vector<double>& of = v.of.fields().*values;
           if (of.empty()) return py::none();
           return look(of, v.of.of.in.owner);
-        },
-        (std::string("(facets,) ") + field.name + ", with the setting inside; None: without, or no cartilage.")
-            .c_str());
+        });
   }
   facets
-      .def_property_readonly(
-          "area", [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); },
-          "(facets,) reference; 0: left out.")
-      .def_property_readonly(
-          "center", [](const FacetsView& v) { return kept(facet_centers_of(v.of)); },
-          "(facets, 3) centroid, reference; NaN: left out.")
-      .def_property_readonly(
-          "nodes",
-          [](const FacetsView& v) {
-            const Surface& s = v.of.of.in.model().surfaces[at(v.of.layer().surface)];
-            return padded(s.begin, s.nodes);
-          },
-          "(facets, most nodes) rows of Model.points, filled up with -1.")
+      .value("area", "(facets,) reference; 0: left out.",
+             [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); })
+      .value("center", "(facets, 3) centroid, reference; NaN: left out.",
+             [](const FacetsView& v) { return kept(facet_centers_of(v.of)); })
+      .value("nodes", "(facets, most nodes) rows of Model.points, filled up with -1.",
+             [](const FacetsView& v) {
+               const Surface& s = v.of.of.in.model().surfaces[at(v.of.layer().surface)];
+               return padded(s.begin, s.nodes);
+             })
       .def("__len__", [](const FacetsView& v) { return mesh_of(v.of).facets; })
       .def("__repr__",
            [](const FacetsView& v) { return fmt::format("<febiodea.Facets: {} of them>", mesh_of(v.of).facets); });
@@ -369,32 +313,26 @@ std::vector<double> node_strain(const SideView& v) {
 
 void bind_nodes(py::module_& m) {
   const auto owner = [](const NodesView& v) { return v.of.of.in.owner; };
-  py::class_<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
-      .def_property_readonly(
-          "index", [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); },
-          "(nodes,) rows of Model.points.")
-      .def_property_readonly(
-          "point", [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); },
-          "(nodes, 3) reference positions.")
-      .def_property_readonly(
-          "triangles", [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); },
-          "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.")
-      .def_property_readonly(
-          "area", [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); },
-          "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
-          "quadrilateral (docs/theory.md, 6.1).")
-      .def_property_readonly(
-          "pressure", [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); },
-          "(nodes,) area-weighted mean of the facets around.")
-      .def_property_readonly(
-          "thickness", [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); },
-          "(nodes,) of the cartilage.")
-      .def_property_readonly(
-          "shortening", [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); },
-          "(nodes,) of the cartilage, >= 0.")
-      .def_property_readonly(
-          "strain", [](const NodesView& v) { return kept(node_strain(v.of)); },
-          "(nodes,) shortening over thickness; NaN: no cartilage.")
+  Class<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
+      .value("index", "(nodes,) rows of Model.points.",
+             [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); })
+      .value("point", "(nodes, 3) reference positions.",
+             [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); })
+      .value("triangles",
+             "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.",
+             [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); })
+      .value("area",
+             "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
+             "quadrilateral (docs/theory.md, 6.1).",
+             [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); })
+      .value("pressure", "(nodes,) area-weighted mean of the facets around.",
+             [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); })
+      .value("thickness", "(nodes,) of the cartilage.",
+             [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); })
+      .value("shortening", "(nodes,) of the cartilage, >= 0.",
+             [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); })
+      .value("strain", "(nodes,) shortening over thickness; NaN: no cartilage.",
+             [](const NodesView& v) { return kept(node_strain(v.of)); })
       .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); })
       .def("__repr__", [](const NodesView& v) {
         return fmt::format("<febiodea.Nodes: {} of them>", mesh_of(v.of).vertices.size());

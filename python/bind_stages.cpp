@@ -17,7 +17,6 @@
 #include "io/xplt/xplt.h"
 #include "python/bind.h"
 #include "python/errors.h"
-#include "python/findings.h"
 #include "python/plain.h"
 #include "python/views.h"
 #include "python/work.h"
@@ -225,46 +224,26 @@ std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<Recognised>& recog
 }
 
 void bind_model(py::module_& m) {
-  py::class_<ReadModel, std::shared_ptr<ReadModel>>(
-      m, "Model",
-      "A FEBio model that was read: what it says, no conclusions.\n\n"
-      "Frame: global. Units: the model's own, throughout. Made by read_feb.")
-      .def_property_readonly(
-          "files", [](const ReadModel& r) { return texts(r.model.files); },
-          "Its files as they were named: the model, then what it includes.")
-      .def_property_readonly(
-          "version", [](const ReadModel& r) { return text(r.model.version); }, "Of the format: \"4.0\".")
-      .def_property_readonly(
-          "units", [](const ReadModel& r) { return text(r.model.units); },
-          "FEBio's name of its system of units; \"\": it names none.")
-      .def_property_readonly(
-          "points", [](const std::shared_ptr<ReadModel>& r) { return look(r->model.nodes, r); },
-          "(nodes, 3) reference positions, the model's length.")
-      .def_property_readonly(
-          "node_ids", [](const std::shared_ptr<ReadModel>& r) { return look(r->model.node_ids, r); },
-          "(nodes,) numbers of the nodes in the file.")
-      .def_property_readonly(
-          "cells", [](const ReadModel& r) { return kept(cells_of(r.model).cells); },
-          "All elements one after the other as pyvista takes them: number of nodes, rows of `points` in VTK's order.")
-      .def_property_readonly(
-          "cell_types", [](const ReadModel& r) { return kept(cells_of(r.model).types); },
-          "(elements,) VTK's number of each element's type.")
-      .def_property_readonly(
-          "surfaces",
-          [](const ReadModel& r) {
-            std::vector<std::string> names;
-            for (const Surface& s : r.model.surfaces) names.push_back(s.name);
-            return texts(names);
-          },
-          "Names of its surfaces.")
-      .def_property_readonly(
-          "materials",
-          [](const ReadModel& r) {
-            std::vector<std::string> names;
-            for (const Material& s : r.model.materials) names.push_back(s.name);
-            return texts(names);
-          },
-          "Names of its materials.")
+  Class<ReadModel, std::shared_ptr<ReadModel>>(m, "Model",
+                                               "A FEBio model that was read: what it says, no conclusions.\n\n"
+                                               "Frame: global. Units: the model's own, throughout. Made by read_feb.")
+      .value("files", "Its files as they were named: the model, then what it includes.",
+             [](const ReadModel& r) { return r.model.files; })
+      .value("version", "Of the format: \"4.0\".", [](const ReadModel& r) { return r.model.version; })
+      .value("units", "FEBio's name of its system of units; \"\": it names none.",
+             [](const ReadModel& r) { return r.model.units; })
+      .value("points", "(nodes, 3) reference positions, the model's length.",
+             [](const std::shared_ptr<ReadModel>& r) { return look(r->model.nodes, r); })
+      .value("node_ids", "(nodes,) numbers of the nodes in the file.",
+             [](const std::shared_ptr<ReadModel>& r) { return look(r->model.node_ids, r); })
+      .value(
+          "cells",
+          "All elements one after the other as pyvista takes them: number of nodes, rows of `points` in VTK's order.",
+          [](const ReadModel& r) { return kept(cells_of(r.model).cells); })
+      .value("cell_types", "(elements,) VTK's number of each element's type.",
+             [](const ReadModel& r) { return kept(cells_of(r.model).types); })
+      .value("surfaces", "Names of its surfaces.", [](const ReadModel& r) { return names_of(r.model.surfaces); })
+      .value("materials", "Names of its materials.", [](const ReadModel& r) { return names_of(r.model.materials); })
       .def("_files",
            [](const ReadModel& r) {
              py::list all;
@@ -278,41 +257,31 @@ void bind_model(py::module_& m) {
 }
 
 void bind_recognition(py::module_& m) {
-  py::class_<Recognised, std::shared_ptr<Recognised>>(
+  Class<Recognised, std::shared_ptr<Recognised>>(
       m, "Recognition", "What joint a model was taken for. print() shows it as `dea info` does.\n\nMade by recognise.")
-      .def_property_readonly(
-          "model", [](const Recognised& r) { return std::const_pointer_cast<ReadModel>(r.read); },
-          "The model it was made from.")
-      .def_property_readonly(
-          "bodies", [](const Recognised& r) { return py::cast(body_names(r.recognition.joint)); },
-          "Names of the rigid bodies.")
-      .def_property_readonly(
-          "contacts", [](const Recognised& r) { return py::cast(contact_names(r.recognition.joint)); },
-          "Names of the contacts.")
-      .def_property_readonly(
-          "solvable", [](const Recognised& r) { return r.recognition.recognised && r.recognition.faults.empty(); },
-          "No fault is known: it can be analysed.")
-      .def_property_readonly(
-          "faults", [](const Recognised& r) { return faults_as_errors(r.recognition.faults); },
-          "Why it cannot be analysed, as exceptions that were not raised; the most basic first.")
-      .def_property_readonly(
-          "findings",
-          [](const Recognised& r) {
-            return findings_list(r.recognition.recognised ? model_findings(r.recognition.model, r.recognition.joint)
-                                                          : Findings{});
-          },
-          "What was concluded, left out or is doubtful, a line each.")
-      .def_property_readonly(
-          "settings", [](const Recognised& r) { return plain(settings_json(r.recognition.settings)); },
-          "All settings by their names in JSON, as they were used.")
-      .def_property_readonly(
-          "times",
-          [](const Recognised& r) {
-            std::vector<double> times;
-            for (const TimePoint& p : model_times(r.recognition.model, true)) times.push_back(p.time);
-            return times;
-          },
-          "Times of the model's states; about 1000 of them where there are very many.")
+      .value("model", "The model it was made from.",
+             [](const Recognised& r) { return std::const_pointer_cast<ReadModel>(r.read); })
+      .value("bodies", "Names of the rigid bodies.",
+             [](const Recognised& r) { return names_of(r.recognition.joint.bodies); })
+      .value("contacts", "Names of the contacts.",
+             [](const Recognised& r) { return names_of(r.recognition.joint.contacts); })
+      .value("solvable", "No fault is known: it can be analysed.",
+             [](const Recognised& r) { return r.recognition.recognised && r.recognition.faults.empty(); })
+      .value("faults", "Why it cannot be analysed, as exceptions that were not raised; the most basic first.",
+             [](const Recognised& r) { return faults_as_errors(r.recognition.faults); })
+      .value("findings", "What was concluded, left out or is doubtful, a line each.",
+             [](const Recognised& r) {
+               return findings_list(r.recognition.recognised ? model_findings(r.recognition.model, r.recognition.joint)
+                                                             : Findings{});
+             })
+      .value("settings", "All settings by their names in JSON, as they were used.",
+             [](const Recognised& r) { return settings_json(r.recognition.settings); })
+      .value("times", "Times of the model's states; about 1000 of them where there are very many.",
+             [](const Recognised& r) {
+               std::vector<double> times;
+               for (const TimePoint& p : model_times(r.recognition.model, true)) times.push_back(p.time);
+               return times;
+             })
       .def("_said", [](const Recognised& r) { return said_again(r.said); })
       .def(
           "info", [](const std::shared_ptr<Recognised>& r) { return plain(recognised_json(r)); },
@@ -327,16 +296,14 @@ void bind_recognition(py::module_& m) {
 }
 
 void bind_progress(py::module_& m) {
-  py::class_<Progress>(m, "Progress", "What a callback `progress` is told while an analysis is under way.")
-      .def_property_readonly(
-          "stage", [](const Progress& p) { return p.stage; }, "\"joint\", \"springs\" or \"state\".")
-      .def_readonly("state", &Progress::state, "Number of the state, from 1 on; 0: none yet.")
-      .def_readonly("states", &Progress::states, "How many states there will be.")
-      .def_readonly("iterations", &Progress::iterations, "Newton steps in this state.")
-      .def_readonly("residual", &Progress::residual, "Unbalanced over applied force; NaN: not known yet.")
-      .def_property_readonly(
-          "outcome", [](const Progress& p) { return p.outcome; }, "How a state ended; \"\": it is being solved.")
-      .def_readonly("time", &Progress::time, "The model's time of a state that ended; else NaN.");
+  Class<Progress>(m, "Progress", "What a callback `progress` is told while an analysis is under way.")
+      .value("stage", "\"joint\", \"springs\" or \"state\".", &Progress::stage)
+      .value("state", "Number of the state, from 1 on; 0: none yet.", &Progress::state)
+      .value("states", "How many states there will be.", &Progress::states)
+      .value("iterations", "Newton steps in this state.", &Progress::iterations)
+      .value("residual", "Unbalanced over applied force; NaN: not known yet.", &Progress::residual)
+      .value("outcome", "How a state ended; \"\": it is being solved.", &Progress::outcome)
+      .value("time", "The model's time of a state that ended; else NaN.", &Progress::time);
 }
 
 }  // namespace
@@ -369,7 +336,7 @@ void bind_stages(py::module_& m) {
   bind_progress(m);
   bind_model(m);
   bind_recognition(m);
-  py::class_<SaidSettings>(m, "NativeSettings")
+  Class<SaidSettings>(m, "NativeSettings")
       .def("as_dict", [](const SaidSettings& s) { return plain(settings_json(s.settings)); })
       .def("said", &said_again);
   m.def("setting_options", &options_of_python);

@@ -9,6 +9,8 @@
 #include "src/base/names.h"
 #include "src/base/parse.h"
 #include "src/model/settings_table.h"
+#include "src/rules/rules.h"
+#include "views/data/json.h"
 
 namespace dea::python {
 
@@ -143,9 +145,14 @@ Wording python_wording() { return keyword_words; }
 void register_errors() { py::register_local_exception_translator(translate); }
 
 py::list faults_as_errors(const std::vector<Fault>& faults) {
-  py::list all;
-  for (const Fault& fault : faults) all.append(error_of("InputError", fault));
-  return all;
+  return list_of(faults.size(), [&](std::size_t i) { return error_of("InputError", faults[i]); });
+}
+
+py::list findings_list(const Findings& findings) {
+  const py::object make = py::module_::import("febiodea._findings").attr("Finding");
+  const py::list values = plain(findings_json(findings));
+  return list_of(findings.size(),
+                 [&](std::size_t i) { return make(text(line(findings[i], python_wording())), **py::dict(values[i])); });
 }
 
 }  // namespace dea::python

@@ -1,10 +1,11 @@
-// python/errors.h – faults of the user as exceptions of Python, in Python's words.
+// python/errors.h – faults of the user as exceptions of Python, and findings, in Python's words.
 #pragma once
 #include <pybind11/pybind11.h>
 
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/base/finding.h"
 #include "src/base/sentence.h"
 
 namespace dea::python {
@@ -19,5 +20,8 @@ void register_errors();
 
 /// A recognition's faults as exceptions that were not raised.
 py::list faults_as_errors(const std::vector<Fault>& faults);
+
+/// Of febiodea.Finding: lines, each with its code, severity, subject and values.
+py::list findings_list(const Findings& findings);
 
 }  // namespace dea::python

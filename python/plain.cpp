@@ -66,6 +66,10 @@ py::array look(const py::dtype& type, std::size_t rows, std::size_t columns, con
 
 py::array vector3(const Vector3d& v) { return py::array_t<double>(3, v.data()); }
 
+py::tuple force_and_moment(const Vector6& both) {
+  return py::make_tuple(vector3(both.head<3>()), vector3(both.tail<3>()));
+}
+
 py::array matrix6(const Eigen::Matrix<double, 6, 6>& m) {
   py::array_t<double> array({6, 6});
   auto to = array.mutable_unchecked<2>();

@@ -7,9 +7,11 @@
 #include <pybind11/pybind11.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "src/equilibrium/load_case.h"
@@ -62,6 +64,7 @@ py::array kept(Values values) {
 }
 
 py::array vector3(const Vector3d& v);
+py::tuple force_and_moment(const Vector6& both);
 py::array matrix6(const Eigen::Matrix<double, 6, 6>& m);
 
 /// 4 x 4, x = R X + t: the identity leaves a body where the file has it. `center`: reference centre of mass.
@@ -71,6 +74,50 @@ Pose pose_of(const py::handle& matrix, const Vector3d& center, const std::string
 
 /// febiodea.Headline
 py::object headline_tuple(const Headline& headline);
+
+/// A value of ours as a plain one of Python; others go there as they are.
+inline py::str plain_value(const std::string& value) { return text(value); }
+inline py::list plain_value(const std::vector<std::string>& value) { return texts(value); }
+inline py::object plain_value(const Json& value) { return plain(value); }
+inline py::array plain_value(const Vector3d& value) { return vector3(value); }
+inline py::object plain_value(const Headline& value) { return headline_tuple(value); }
+template <class Value>
+Value plain_value(Value value) {
+  return value;
+}
+
+/// A class of Python whose values can be read and not be set.
+template <class T, class... Holder>
+class Class : public py::class_<T, Holder...> {
+ public:
+  using Base = py::class_<T, Holder...>;
+  using Base::Base;
+
+  /// `get`: of a T, or of what holds it where memory is looked into.
+  template <class Get>
+  Class& value(const char* name, const char* help, Get get) {
+    if constexpr (std::is_invocable_v<Get, const T&>)
+      Base::def_property_readonly(
+          name, [get](const T& of) { return plain_value(std::invoke(get, of)); }, help);
+    else
+      Base::def_property_readonly(name, get, help);
+    return *this;
+  }
+
+  template <class... Arguments>
+  Class& def(Arguments&&... arguments) {
+    Base::def(std::forward<Arguments>(arguments)...);
+    return *this;
+  }
+};
+
+/// `make` of 0, 1, ... as a list.
+template <class Make>
+py::list list_of(std::size_t count, const Make& make) {
+  py::list all;
+  for (std::size_t i = 0; i < count; ++i) all.append(make(i));
+  return all;
+}
 
 /// Facets or cells with different numbers of nodes as rows, filled up with -1.
 py::array padded(const std::vector<int>& begin, const std::vector<int>& nodes);

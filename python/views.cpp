@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "io/files/encoded_text.h"
 #include "src/base/names.h"
 
 namespace dea::python {
@@ -24,18 +23,6 @@ StateView view_of(const std::shared_ptr<const SolvedLoad>& s) {
           &s->state, &s->state.equilibrium.springs};
 }
 
-std::vector<std::string> body_names(const Joint& joint) {
-  std::vector<std::string> names;
-  for (const Body& body : joint.bodies) names.push_back(utf8(body.name));
-  return names;
-}
-
-std::vector<std::string> contact_names(const Joint& joint) {
-  std::vector<std::string> names;
-  for (const ContactPair& pair : joint.contacts) names.push_back(utf8(pair.name));
-  return names;
-}
-
 std::size_t find_name(const char* what, const std::string& name, const std::vector<std::string>& names) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
@@ -47,11 +34,11 @@ std::size_t find_name(const char* what, const std::string& name, const std::vect
 }
 
 std::size_t find_contact(const Joint& joint, const std::string& name) {
-  return find_name("contact", name, contact_names(joint));
+  return find_name("contact", name, names_of(joint.contacts));
 }
 
 std::size_t find_named_body(const Joint& joint, const std::string& name) {
-  return find_name("body", name, body_names(joint));
+  return find_name("body", name, names_of(joint.bodies));
 }
 
 }  // namespace dea::python

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "io/files/encoded_text.h"
 #include "python/plain.h"
 #include "python/stages.h"
 
@@ -56,9 +57,13 @@ struct CompartmentView {
   const CompartmentLoad& load() const { return of.statistics().compartments[index]; }
 };
 
-/// Names of a joint's bodies and contacts.
-std::vector<std::string> body_names(const Joint& joint);
-std::vector<std::string> contact_names(const Joint& joint);
+/// Of bodies, contacts, surfaces and whatever else has a name.
+template <class List>
+std::vector<std::string> names_of(const List& list) {
+  std::vector<std::string> names;
+  for (const auto& item : list) names.push_back(utf8(item.name));
+  return names;
+}
 
 /// Place of a name; an empty one: the only place there is. Throws UsageError with `what` for its place, and the names
 /// there are.

@@ -73,7 +73,8 @@ HeldOutputs::~HeldOutputs() {
   }
 }
 
-HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs) {
+  std::erase_if(outputs, [](const NamedPath& output) { return output.path.empty(); });
   check_outputs(inputs, outputs);
   HeldOutputs all;
   for (const NamedPath& output : outputs) {

@@ -26,8 +26,9 @@ class HeldOutputs {
   std::vector<Held> held_;
 };
 
-/// The outputs, after check_outputs. Standard output and devices are passed over, and file systems without locks.
-/// Throws WriteError: another process holds one of them, or its folder cannot be written to.
-[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+/// The outputs, after check_outputs. Those of an empty path are not wanted. Standard output and devices are passed over,
+/// and file systems without locks. Throws WriteError: another process holds one of them, or its folder cannot be
+/// written to.
+[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
 
 }  // namespace dea

@@ -207,6 +207,31 @@ TEST(ContactDea, NewtonsMethodIsFast) {
   EXPECT_LT(norms.back(), 1e-18 * norms[0]);
 }
 
+/// "warning: contact "knee" [narrow-contact]" of each warning in these lines, which FEBio's log indents.
+std::vector<std::string> warnings_of(const std::string& text) {
+  std::vector<std::string> warnings;
+  for (std::string line : lines_of(text)) {
+    line.erase(0, line.find_first_not_of(' '));
+    if (line.rfind("warning: ", 0) == 0)
+      warnings.push_back(line.substr(0, line.find(':', 9)) + " " + line.substr(line.rfind('[')));
+  }
+  std::sort(warnings.begin(), warnings.end());
+  return warnings;
+}
+
+/// What `dea run` finds in the results, once, behind FEBio's last step.
+TEST(ContactDea, TellsOfResultsWhatDeaRunTells) {
+  const TemporaryFolder folder;
+  for (const char* name : {"knee/knee.feb", "spheres/two_layers.feb"}) {
+    fs::copy(fs::path(DEA_SAMPLES_DIR) / name, folder.path / "m.feb", fs::copy_options::overwrite_existing);
+    convert(folder.path, "m.feb", "converted.feb", {"--overwrite"});
+    const Finished f = solve(folder.path, "converted.feb");
+    ASSERT_EQ(f.code, 0);
+    const Finished run = run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "--no-xplt"}, 60);
+    EXPECT_EQ(warnings_of(f.out), warnings_of(run.err)) << name;
+  }
+}
+
 /// Thickness as a number, and measured through the rigid cartilage: what `dea run` makes of the same file.
 TEST(ContactDea, ThicknessGivenAndMeasured) {
   const TemporaryFolder folder;
