@@ -19,6 +19,14 @@ namespace {
 
 using Way = CartilageRequest::Way;
 
+UsageError wrong(const std::string& option, const std::string& text, const std::string& found,
+                 const std::string& expected) {
+  return UsageError(fmt::format("--{} {}: found {}, expected {}", option, text, found, expected));
+}
+UsageError wrong_value(const std::string& option, const std::string& text, const std::string& expected) {
+  return wrong(option, text, fmt::format("\"{}\"", text), expected);
+}
+
 /// "femur=2.0", cut at the first '=': a file's name may have more of them.
 struct Named {
   std::string name, value;
@@ -26,8 +34,7 @@ struct Named {
 Named named(const char* option, const std::string& text, const char* form) {
   const std::size_t cut = text.find('=');
   const std::string name = trimmed(text.substr(0, cut));
-  if (cut == std::string::npos || name.empty() || cut + 1 == text.size())
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, form));
+  if (cut == std::string::npos || name.empty() || cut + 1 == text.size()) throw wrong_value(option, text, form);
   if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
     throw UsageError(
         fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
@@ -43,13 +50,11 @@ std::vector<std::string> bone_names(const BuildRequest& request) {
 /// The model has parts of these names.
 void refuse_names_of_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (name == "cartilage")
-      throw UsageError("--bone cartilage: found the name of the cartilage's material, expected another");
+    if (name == "cartilage") throw wrong("bone", name, "the name of the cartilage's material", "another");
     for (const std::string& other : names)
       for (const char* part : {"_cartilage", "_bone"})
         if (name.rfind(other + part, 0) == 0)
-          throw UsageError(fmt::format(
-              "--bone {}: found a name that a part of \"{}\" has in the model, expected another", name, other));
+          throw wrong("bone", name, fmt::format("a name that a part of \"{}\" has in the model", other), "another");
   }
 }
 
@@ -64,12 +69,12 @@ int bone_of(const BuildRequest& request, const char* option, const std::string& 
 
 /// Of an option that a bone has once.
 void refuse_second(const char* option, const std::string& text, bool there) {
-  if (there) throw UsageError(fmt::format("--{} {}: found a second one for this bone, expected one", option, text));
+  if (there) throw wrong(option, text, "a second one for this bone", "one");
 }
 
 double not_negative(const char* option, const std::string& text) {
   const double value = number_argument(option, text);
-  if (!(value >= 0)) throw UsageError(fmt::format("--{} {}: found \"{}\", expected 0 or more", option, text, text));
+  if (!(value >= 0)) throw wrong_value(option, text, "0 or more");
   return value;
 }
 
@@ -78,9 +83,7 @@ std::size_t add_cartilage(BuildRequest& request, const char* option, const std::
   const int bone = bone_of(request, option, name);
   for (const CartilageRequest& c : request.cartilages)
     if (c.bone == bone)
-      throw UsageError(fmt::format(
-          "--{} {}: found a second cartilage of this bone, expected one (--cartilage, --uniform, --thickness-at)",
-          option, name));
+      throw wrong(option, name, "a second cartilage of this bone", "one (--cartilage, --uniform, --thickness-at)");
   CartilageRequest c;
   c.bone = bone;
   c.way = way;
@@ -93,12 +96,10 @@ void add_half_gap(const std::string& text, BuildRequest& request) {
   double most = 0, least = -1;
   for (const std::string& part : split_at_commas(text)) {
     const Named n = named("half-gap", part, "max=A,min=B");
-    if (n.name != "max" && n.name != "min")
-      throw UsageError(fmt::format("--half-gap {}: found \"{}\", expected max=A,min=B", text, n.name));
+    if (n.name != "max" && n.name != "min") throw wrong("half-gap", text, fmt::format("\"{}\"", n.name), "max=A,min=B");
     (n.name == "max" ? most : least) = positive_argument("half-gap", n.value);
   }
-  if (!(most > 0) || !(least > 0) || least > most)
-    throw UsageError(fmt::format("--half-gap {}: found \"{}\", expected max=A,min=B with A above B", text, text));
+  if (!(most > 0) || !(least > 0) || least > most) throw wrong_value("half-gap", text, "max=A,min=B with A above B");
   bool any = false;
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
     const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
@@ -124,19 +125,17 @@ GivenRegion region_of(const std::string& text, const std::string& value) {
   region.frame = framed.frame;
   const std::vector<double> v = argument("region", framed.rest, parse_numbers);
   if (v.size() != (sphere ? 4U : 6U))
-    throw UsageError(fmt::format("--region {}: found {} numbers, expected {}", text, v.size(),
-                                 sphere ? "sphere:x,y,z,r or sphere:frame:NAME,x,y,z,r"
-                                        : "plane:x,y,z,nx,ny,nz or plane:frame:NAME,x,y,z,nx,ny,nz"));
+    throw wrong("region", text, fmt::format("{} numbers", v.size()),
+                sphere ? "sphere:x,y,z,r or sphere:frame:NAME,x,y,z,r"
+                       : "plane:x,y,z,nx,ny,nz or plane:frame:NAME,x,y,z,nx,ny,nz");
   region.kind = sphere ? GivenRegion::Kind::Sphere : GivenRegion::Kind::Plane;
   region.point = {v[0], v[1], v[2]};
   if (sphere) {
     region.radius = v[3];
-    if (!(v[3] > 0))
-      throw UsageError(fmt::format("--region {}: found a radius of {}, expected one above 0", text, v[3]));
+    if (!(v[3] > 0)) throw wrong("region", text, fmt::format("a radius of {}", v[3]), "one above 0");
   } else {
     region.normal = {v[3], v[4], v[5]};
-    if (!(region.normal.norm() > 0))
-      throw UsageError(fmt::format("--region {}: found a normal of no length, expected a direction", text));
+    if (!(region.normal.norm() > 0)) throw wrong("region", text, "a normal of no length", "a direction");
     region.normal.normalize();
   }
   return region;
@@ -156,8 +155,7 @@ void add_loads(const BuildArguments& a, BuildInputs& inputs) {
   if (!a.loads.empty()) {
     const Named n = named("loads", a.loads, "BODY=FILE");
     BoneRequest& bone = request.bones[at(bone_of(request, "loads", n.name))];
-    if (!bone.fixed)
-      throw UsageError(fmt::format("--loads {}: found --force for this bone too, expected one of them", a.loads));
+    if (!bone.fixed) throw wrong("loads", a.loads, "--force for this bone too", "one of them");
     bone.fixed = false;
     inputs.files.push_back({"--loads", n.value});
     LoadTable& loads = inputs.sources.loads;
@@ -170,26 +168,20 @@ void add_loads(const BuildArguments& a, BuildInputs& inputs) {
     for (const auto& [option, text] :
          {std::pair{"load-columns", &a.load_columns}, std::pair{"load-units", &a.load_units},
           std::pair{"body-weight", &a.body_weight}})
-      if (!text->empty())
-        throw UsageError(fmt::format("--{} {}: found no table, expected --loads BODY=FILE too", option, *text));
+      if (!text->empty()) throw wrong(option, *text, "no table", "--loads BODY=FILE too");
   }
   for (const std::string& text : a.holds) {
     const Named n = named("hold", text, "BODY=x,y");
     BoneRequest& bone = request.bones[at(bone_of(request, "hold", n.name))];
-    if (bone.fixed)
-      throw UsageError(
-          fmt::format("--hold {}: found a bone without a force, which is held as a whole, expected a "
-                      "loaded one",
-                      text));
+    if (bone.fixed) throw wrong("hold", text, "a bone without a force, which is held as a whole", "a loaded one");
     for (const std::string& direction : split_at_commas(n.value)) {
       const std::size_t c = std::string("xyz").find(direction);
       if (direction.size() != 1 || c == std::string::npos)
-        throw UsageError(fmt::format("--hold {}: found \"{}\", expected x, y or z, with commas", text, direction));
+        throw wrong("hold", text, fmt::format("\"{}\"", direction), "x, y or z, with commas");
       bone.held[c] = true;
     }
     if (bone.held[0] && bone.held[1] && bone.held[2])
-      throw UsageError(
-          fmt::format("--hold {}: found all three directions, expected one that is left to the force", text));
+      throw wrong("hold", text, "all three directions", "one that is left to the force");
   }
   for (const std::string& text : a.centers) {
     const Named n = named("center", text, "BODY=x,y,z");
@@ -237,23 +229,19 @@ void set_anatomy(const BuildArguments& a, const BuildRequest& request, AnatomyRe
   anatomy.hip = a.hip != "none";
   if (!a.hip.empty() && anatomy.hip) {
     const std::vector<std::string> names = split_at_commas(a.hip);
-    if (names.size() != 2)
-      throw UsageError(fmt::format("--hip {}: found \"{}\", expected two bones, SOCKET,HEAD, or none", a.hip, a.hip));
+    if (names.size() != 2) throw wrong_value("hip", a.hip, "two bones, SOCKET,HEAD, or none");
     anatomy.socket = bone_of(request, "hip", names[0]);
     anatomy.head = bone_of(request, "hip", names[1]);
-    if (anatomy.socket == anatomy.head)
-      throw UsageError(fmt::format("--hip {}: found one bone twice, expected two bones, SOCKET,HEAD", a.hip));
+    if (anatomy.socket == anatomy.head) throw wrong("hip", a.hip, "one bone twice", "two bones, SOCKET,HEAD");
   }
   if (!anatomy.hip && !a.hip_figure.empty())
     throw UsageError("--hip-figure and --hip none: found both, expected one of them");
   if (a.landmarks.empty() && !a.frames.empty())
-    throw UsageError(
-        fmt::format("--frames {}: found no landmarks to make frames of, expected --landmarks FILE", a.frames));
+    throw wrong("frames", a.frames, "no landmarks to make frames of", "--landmarks FILE");
   if (a.landmarks.empty() && a.flip_landmarks)
     throw UsageError("--flip-landmarks: found no landmarks, expected --landmarks FILE");
   if (a.landmarks.empty() && !a.landmark_units.empty())
-    throw UsageError(
-        fmt::format("--landmark-units {}: found no landmarks, expected --landmarks FILE", a.landmark_units));
+    throw wrong("landmark-units", a.landmark_units, "no landmarks", "--landmarks FILE");
 }
 
 double millimetres(const char* option, const std::string& unit) {
@@ -297,7 +285,7 @@ std::vector<MirrorPlane> mirrors_of(const BuildArguments& a) {
     const Named n = named("mirror", part, "x=0, y=0 or z=0, with commas");
     const std::size_t axis = std::string("xyz").find(n.name);
     if (n.name.size() != 1 || axis == std::string::npos)
-      throw UsageError(fmt::format("--mirror {}: found \"{}\", expected x, y or z", a.mirror, n.name));
+      throw wrong("mirror", a.mirror, fmt::format("\"{}\"", n.name), "x, y or z");
     mirrors.push_back({static_cast<int>(axis), argument("mirror", n.value, parse_number)});
   }
   return mirrors;
@@ -312,23 +300,22 @@ void refuse_lopsided(const std::string& text, const GivenRegion& region, const s
                          ? std::abs(region.point[mirror.axis] - mirror.at) <= kOff * region.radius
                          : std::abs(region.normal[mirror.axis]) <= kOff;
     if (!own || !region.frame.empty())
-      throw UsageError(
-          fmt::format("--region {}: found a region on one side of {}={:g} (--mirror), expected one that is "
-                      "its own mirror image, or a surface, which is completed",
-                      text, "xyz"[mirror.axis], mirror.at));
+      throw wrong("region", text,
+                  fmt::format("a region on one side of {}={:g} (--mirror)", "xyz"[mirror.axis], mirror.at),
+                  "one that is its own mirror image, or a surface, which is completed");
   }
 }
 
 /// The surface and its image. Points by the plane go onto it, so that both sides join there.
 void add_image(const std::string& path, const MirrorPlane& mirror, TriangleSurface& s) {
-  const auto box = box_of(s);
-  const double tolerance = 1e-4 * (box[1] - box[0]).norm(), low = box[0][mirror.axis] - mirror.at,
-               high = box[1][mirror.axis] - mirror.at;
+  const Eigen::AlignedBox3d box = box_of(s);
+  const double tolerance = 1e-4 * box.diagonal().norm(), low = box.min()[mirror.axis] - mirror.at,
+               high = box.max()[mirror.axis] - mirror.at;
   if (low < -tolerance && high > tolerance)
     throw InputError(path, 0,
                      fmt::format("found points on both sides of {}={:g}, from {:.4g} to {:.4g}, expected one side of "
                                  "the plane that --mirror names",
-                                 "xyz"[mirror.axis], mirror.at, box[0][mirror.axis], box[1][mirror.axis]));
+                                 "xyz"[mirror.axis], mirror.at, box.min()[mirror.axis], box.max()[mirror.axis]));
   for (Eigen::Vector3d& x : s.points)
     if (std::abs(x[mirror.axis] - mirror.at) <= tolerance) x[mirror.axis] = mirror.at;
   const int first = static_cast<int>(s.points.size());
@@ -427,7 +414,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
     const Named n = named("bone", text, "NAME=FILE");
     const std::vector<std::string> names = bone_names(request);
     if (std::find(names.begin(), names.end(), n.name) != names.end())
-      throw UsageError(fmt::format("--bone {}: found the name \"{}\" twice, expected another", text, n.name));
+      throw wrong("bone", text, fmt::format("the name \"{}\" twice", n.name), "another");
     BoneRequest bone;
     bone.name = n.name;
     request.bones.push_back(bone);
@@ -484,8 +471,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   set_anatomy(a, request, inputs.anatomy);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
   if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
-  if (inputs.model.nu >= 0.5)
-    throw UsageError(fmt::format("--nu {}: found \"{}\", expected a number below 0.5", a.nu, a.nu));
+  if (inputs.model.nu >= 0.5) throw wrong_value("nu", a.nu, "a number below 0.5");
   if (!a.penalty.empty()) inputs.model.penalty = positive_argument("penalty", a.penalty);
   return inputs;
 }

@@ -13,13 +13,20 @@ namespace dea {
 
 namespace {
 
-enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
+struct Type {
+  std::string_view name, other_name;
+  NumberReader next;
+};
+constexpr Type kTypes[] = {{"char", "int8", next_as<std::int8_t>},    {"uchar", "uint8", next_as<std::uint8_t>},
+                           {"short", "int16", next_as<std::int16_t>}, {"ushort", "uint16", next_as<std::uint16_t>},
+                           {"int", "int32", next_as<std::int32_t>},   {"uint", "uint32", next_as<std::uint32_t>},
+                           {"float", "float32", next_as<float>},      {"double", "float64", next_as<double>}};
 
 struct Property {
   std::string name;
-  Type type = Type::Float;
+  NumberReader next = nullptr;
   bool list = false;
-  Type count_type = Type::UInt8;
+  NumberReader next_count = nullptr;
 };
 
 struct Element {
@@ -33,12 +40,9 @@ struct Head {
   std::vector<Element> elements;
 };
 
-Type type_of(SurfaceText& text, std::string_view word) {
-  constexpr std::string_view kWords[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                            {"float", "float32"}, {"double", "float64"}};
-  for (std::size_t i = 0; i < std::size(kWords); ++i)
-    if (word == kWords[i][0] || word == kWords[i][1]) return static_cast<Type>(i);
+NumberReader type_of(SurfaceText& text, std::string_view word) {
+  for (const Type& type : kTypes)
+    if (word == type.name || word == type.other_name) return type.next;
   text.refuse(fmt::format("found the type \"{}\", expected one of PLY's: float, uchar, int, ...", shown(word)));
 }
 
@@ -47,10 +51,10 @@ Property next_property(SurfaceText& text) {
   std::string_view word = text.next_word();
   p.list = word == "list";
   if (p.list) {
-    p.count_type = type_of(text, text.next_word());
+    p.next_count = type_of(text, text.next_word());
     word = text.next_word();
   }
-  p.type = type_of(text, word);
+  p.next = type_of(text, word);
   p.name = text.next_word();
   return p;
 }
@@ -85,32 +89,13 @@ Head read_head(SurfaceText& text) {
   }
 }
 
-double next_value(SurfaceText& text, const Head& head, Type type) {
+double next_value(SurfaceText& text, const Head& head, NumberReader next) {
   const char* what = "a value of an element";
-  if (!head.binary) return text.next_number(what);
-  switch (type) {
-    case Type::Int8:
-      return text.next_bytes<std::int8_t>(head.swap, what);
-    case Type::UInt8:
-      return text.next_bytes<std::uint8_t>(head.swap, what);
-    case Type::Int16:
-      return text.next_bytes<std::int16_t>(head.swap, what);
-    case Type::UInt16:
-      return text.next_bytes<std::uint16_t>(head.swap, what);
-    case Type::Int32:
-      return text.next_bytes<std::int32_t>(head.swap, what);
-    case Type::UInt32:
-      return text.next_bytes<std::uint32_t>(head.swap, what);
-    case Type::Float:
-      return static_cast<double>(text.next_bytes<float>(head.swap, what));
-    case Type::Double:
-      return text.next_bytes<double>(head.swap, what);
-  }
-  return 0;
+  return head.binary ? next(text, head.swap, what) : text.next_number(what);
 }
 
-long long next_whole(SurfaceText& text, const Head& head, Type type) {
-  const double value = next_value(text, head, type);
+long long next_whole(SurfaceText& text, const Head& head, NumberReader next) {
+  const double value = next_value(text, head, next);
   if (!(std::abs(value) < 4e18) || value != static_cast<double>(static_cast<long long>(value)))
     text.refuse(fmt::format("found {}, expected a whole number", value));
   return static_cast<long long>(value);
@@ -121,18 +106,18 @@ void read_element(SurfaceText& text, const Head& head, const Element& element, T
   std::vector<long long> corners;
   for (const Property& p : element.properties) {
     if (!p.list) {
-      const double value = next_value(text, head, p.type);
+      const double value = next_value(text, head, p.next);
       if (element.name == "vertex" && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
         x[p.name[0] - 'x'] = value;
       continue;
     }
-    const std::size_t count = text.checked_count(next_whole(text, head, p.count_type), 1, "values of a list");
+    const std::size_t count = text.checked_count(next_whole(text, head, p.next_count), "values of a list");
     const bool polygon = element.name == "face" && (p.name == "vertex_indices" || p.name == "vertex_index");
     for (std::size_t i = 0; i < count; ++i) {
       if (polygon)
-        corners.push_back(next_whole(text, head, p.type));
+        corners.push_back(next_whole(text, head, p.next));
       else
-        next_value(text, head, p.type);
+        next_value(text, head, p.next);
     }
     if (polygon) text.add_polygon(surface, corners);
   }
@@ -146,7 +131,7 @@ TriangleSurface read_ply(SurfaceText& text) {
   TriangleSurface surface;
   for (const Element& element : head.elements) {
     if (element.properties.empty()) continue;
-    const std::size_t count = text.checked_count(element.count, 1, "elements");
+    const std::size_t count = text.checked_count(element.count, "elements");
     for (std::size_t i = 0; i < count; ++i) read_element(text, head, element, surface);
   }
   return surface;

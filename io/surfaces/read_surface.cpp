@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-
 #include <cstdint>
 #include <optional>
 #include <sstream>
@@ -12,6 +10,7 @@
 #include "io/files/output.h"
 #include "io/surfaces/surface_text.h"
 #include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea {
 
@@ -59,9 +58,7 @@ TriangleSurface read_content(const std::string& path, const std::string& content
   const std::string_view word = begun(content).substr(0, 5);
   if (word == "solid" && content.find("facet") < 2000) return read_stl_text(text);
   if (word == "SOLID") {  // some programs shout
-    std::string small = content;
-    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
-    return read_content(path, small);
+    return read_content(path, lower_case(content));
   }
   if (extension == ".stl" && content.size() >= kStlHead && content.find('\0') < kStlHead)
     throw InputError(
@@ -70,6 +67,12 @@ TriangleSurface read_content(const std::string& path, const std::string& content
                     "off or damaged",
                     content.size(), kStlHead + kStlTriangle * std::size_t{stl_count(content)}, stl_count(content)));
   throw InputError(path, 0, "found no surface that is known, expected STL, OBJ, PLY, VTK (polydata) or VTP");
+}
+
+/// A triangle of the last three points.
+void add_last_three(TriangleSurface& surface) {
+  const int first = static_cast<int>(surface.points.size()) - 3;
+  surface.triangles.push_back({first, first + 1, first + 2});
 }
 
 }  // namespace
@@ -86,24 +89,6 @@ TriangleSurface read_surface(const std::string& path) {
   return surface;
 }
 
-void write_stl(const std::string& path, const TriangleSurface& surface) {
-  std::string bytes(80, ' ');
-  const auto add = [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); };
-  const auto count = static_cast<std::uint32_t>(surface.triangles.size());
-  add(&count, 4);
-  for (const auto& t : surface.triangles) {
-    std::array<Eigen::Vector3d, 4> v;
-    for (std::size_t k = 0; k < 3; ++k) v[k + 1] = surface.points[static_cast<std::size_t>(t[k])];
-    v[0] = (v[2] - v[1]).cross(v[3] - v[1]).normalized();
-    for (const Eigen::Vector3d& x : v) {
-      const Eigen::Vector3f single = x.cast<float>();
-      add(single.data(), 12);
-    }
-    bytes.append(2, '\0');
-  }
-  write_text(path, bytes);
-}
-
 TriangleSurface read_stl_binary(SurfaceText& text) {
   text.skip_bytes(80, "the head of the STL file");
   const auto count = text.next_bytes<std::uint32_t>(false, "the number of triangles");
@@ -117,8 +102,7 @@ TriangleSurface read_stl_binary(SurfaceText& text) {
       surface.points.push_back(x);
     }
     text.skip_bytes(2, "a triangle");
-    const int first = static_cast<int>(3 * i);
-    surface.triangles.push_back({first, first + 1, first + 2});
+    add_last_three(surface);
   }
   return surface;
 }
@@ -138,9 +122,7 @@ TriangleSurface read_stl_text(SurfaceText& text) {
     Eigen::Vector3d x;
     for (int c = 0; c < 3; ++c) x[c] = text.next_number("a coordinate");
     surface.points.push_back(x);
-    if (surface.points.size() % 3 != 0) continue;
-    const int first = static_cast<int>(surface.points.size()) - 3;
-    surface.triangles.push_back({first, first + 1, first + 2});
+    if (surface.points.size() % 3 == 0) add_last_three(surface);
   }
   if (!ended || surface.points.size() % 3 != 0) text.refuse_end("\"endsolid\"");
   return surface;

@@ -14,7 +14,4 @@ namespace dea {
 /// finite number, no triangle.
 TriangleSurface read_surface(const std::string& path);
 
-/// Binary STL, which is single precision. Throws WriteError.
-void write_stl(const std::string& path, const TriangleSurface& surface);
-
 }  // namespace dea

@@ -11,35 +11,27 @@ namespace dea {
 
 namespace {
 
-enum class VtkType { Float, Double, Int32, Int64 };
+struct VtkType {
+  std::string_view name;
+  NumberReader next;
+};
+constexpr NumberReader kInt32 = next_as<std::int32_t>;
+constexpr VtkType kVtkTypes[] = {{"float", next_as<float>},
+                                 {"double", next_as<double>},
+                                 {"int", kInt32},
+                                 {"vtkIdType", kInt32},
+                                 {"vtktypeint64", next_as<std::int64_t>},
+                                 {"long", next_as<std::int64_t>}};
 
-VtkType vtk_type(SurfaceText& text, std::string_view word) {
-  if (word == "float") return VtkType::Float;
-  if (word == "double") return VtkType::Double;
-  if (word == "int" || word == "vtkIdType") return VtkType::Int32;
-  if (word == "vtktypeint64" || word == "long") return VtkType::Int64;
+NumberReader vtk_type(SurfaceText& text, std::string_view word) {
+  for (const VtkType& type : kVtkTypes)
+    if (word == type.name) return type.next;
   text.refuse(fmt::format("found the type \"{}\", expected float, double, int or vtktypeint64", shown(word)));
 }
 
-double next_value(SurfaceText& text, bool binary, VtkType type) {
-  const char* what = "a number";
-  if (!binary) return text.next_number(what);
-  switch (type) {
-    case VtkType::Float:
-      return static_cast<double>(text.next_bytes<float>(true, what));
-    case VtkType::Double:
-      return text.next_bytes<double>(true, what);
-    case VtkType::Int32:
-      return text.next_bytes<std::int32_t>(true, what);
-    case VtkType::Int64:
-      return static_cast<double>(text.next_bytes<std::int64_t>(true, what));
-  }
-  return 0;
-}
-
-long long next_whole(SurfaceText& text, bool binary, VtkType type) {
+long long next_whole(SurfaceText& text, bool binary, NumberReader next) {
   if (!binary) return text.next_integer("a point's number");
-  const double value = next_value(text, true, type);
+  const double value = next(text, true, "a number");
   if (!(std::abs(value) < 4e18)) text.refuse(fmt::format("found {}, expected a whole number", value));
   return static_cast<long long>(value);
 }
@@ -49,12 +41,12 @@ void end_bytes(SurfaceText& text, bool binary) {
 }
 
 void read_points(SurfaceText& text, bool binary, TriangleSurface& surface) {
-  const std::size_t count = text.checked_count(text.next_integer("the number of points"), 1, "points");
-  const VtkType type = vtk_type(text, text.next_word());
+  const std::size_t count = text.checked_count(text.next_integer("the number of points"), "points");
+  const NumberReader next = vtk_type(text, text.next_word());
   text.next_line();
   for (std::size_t i = 0; i < count; ++i) {
     Eigen::Vector3d x;
-    for (int c = 0; c < 3; ++c) x[c] = next_value(text, binary, type);
+    for (int c = 0; c < 3; ++c) x[c] = binary ? next(text, true, "a number") : text.next_number("a number");
     surface.points.push_back(x);
   }
   end_bytes(text, binary);
@@ -65,10 +57,10 @@ void read_cells_51(SurfaceText& text, bool binary, long long offsets, long long 
   std::vector<long long> begin, all;
   const auto read = [&](const char* name, long long count, std::vector<long long>& values) {
     if (text.next_word() != name) text.refuse(fmt::format("found another word, expected \"{}\"", name));
-    const VtkType type = vtk_type(text, text.next_word());
+    const NumberReader next = vtk_type(text, text.next_word());
     text.next_line();
-    const std::size_t n = text.checked_count(count, 1, "numbers");
-    for (std::size_t i = 0; i < n; ++i) values.push_back(next_whole(text, binary, type));
+    const std::size_t n = text.checked_count(count, "numbers");
+    for (std::size_t i = 0; i < n; ++i) values.push_back(next_whole(text, binary, next));
     end_bytes(text, binary);
   };
   read("OFFSETS", offsets, begin);
@@ -85,11 +77,11 @@ void read_cells(SurfaceText& text, bool binary, bool version_5, TriangleSurface*
   const long long first = text.next_integer("the number of cells"), second = text.next_integer("the size of the cells");
   text.next_line();
   if (version_5) return read_cells_51(text, binary, first, second, surface);
-  const std::size_t cells = text.checked_count(first, 1, "cells");
+  const std::size_t cells = text.checked_count(first, "cells");
   for (std::size_t i = 0; i < cells; ++i) {
-    const std::size_t count = text.checked_count(next_whole(text, binary, VtkType::Int32), 1, "corners");
+    const std::size_t count = text.checked_count(next_whole(text, binary, kInt32), "corners");
     std::vector<long long> corners;
-    for (std::size_t k = 0; k < count; ++k) corners.push_back(next_whole(text, binary, VtkType::Int32));
+    for (std::size_t k = 0; k < count; ++k) corners.push_back(next_whole(text, binary, kInt32));
     if (surface != nullptr) text.add_polygon(*surface, corners);
   }
   end_bytes(text, binary);

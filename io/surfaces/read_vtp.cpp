@@ -70,22 +70,18 @@ class Stream {
   bool text_;
 };
 
-template <class Number>
-Number number_at(const std::string& bytes, std::size_t place, bool big_endian) {
-  unsigned char turned[sizeof(Number)];
-  for (std::size_t i = 0; i < sizeof(Number); ++i)
-    turned[i] = static_cast<unsigned char>(bytes[place + (big_endian ? sizeof(Number) - 1 - i : i)]);
-  Number value;
-  std::memcpy(&value, turned, sizeof(Number));
-  return value;
+template <class Stored, class Number>
+void append(const Vtp& file, const std::string& bytes, std::vector<Number>& values) {
+  for (std::size_t i = 0; i + sizeof(Stored) <= bytes.size(); i += sizeof(Stored))
+    values.push_back(static_cast<Number>(number_in<Stored>(std::string_view(bytes).substr(i), file.big_endian)));
 }
 
 std::vector<std::uint64_t> counts_in(const Vtp& file, const std::string& bytes) {
-  const std::size_t size = file.long_counts ? 8 : 4;
   std::vector<std::uint64_t> counts;
-  for (std::size_t i = 0; i + size <= bytes.size(); i += size)
-    counts.push_back(file.long_counts ? number_at<std::uint64_t>(bytes, i, file.big_endian)
-                                      : number_at<std::uint32_t>(bytes, i, file.big_endian));
+  if (file.long_counts)
+    append<std::uint64_t>(file, bytes, counts);
+  else
+    append<std::uint32_t>(file, bytes, counts);
   return counts;
 }
 
@@ -143,12 +139,6 @@ std::string bytes_of(const Vtp& file, const Xml* array, const std::string& forma
   if (count > stream.most())
     refuse(file, array, "found more bytes named than there are, expected fewer: the file is cut off");
   return stream.peek(size + count).substr(size);
-}
-
-template <class Stored, class Number>
-void append(const Vtp& file, const std::string& bytes, std::vector<Number>& values) {
-  for (std::size_t i = 0; i + sizeof(Stored) <= bytes.size(); i += sizeof(Stored))
-    values.push_back(static_cast<Number>(number_at<Stored>(bytes, i, file.big_endian)));
 }
 
 /// The numbers of the <DataArray> of this name (nullptr: of the first), coordinates as double, others as long long.
@@ -215,9 +205,7 @@ void read_piece(const Vtp& file, const Xml* piece, TriangleSurface& all) {
     place.add_polygon(surface, {corners.begin() + begin, corners.begin() + end});
     begin = end;
   }
-  const int first = static_cast<int>(all.points.size());
-  all.points.insert(all.points.end(), surface.points.begin(), surface.points.end());
-  for (const auto& t : surface.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  all.append(surface);
 }
 
 /// Takes the appended data, which may be no XML, away from the content, and notes them. The rest is XML.

@@ -75,8 +75,8 @@ void SurfaceText::refuse_end(const char* what) const {
   refuse(fmt::format("found the end of the file, expected {}: the file is cut off", what));
 }
 
-std::size_t SurfaceText::checked_count(long long count, std::size_t least, const char* what) const {
-  if (count < 0 || static_cast<std::size_t>(count) > bytes_left() / least)
+std::size_t SurfaceText::checked_count(long long count, const char* what) const {
+  if (count < 0 || static_cast<std::size_t>(count) > bytes_left())
     refuse(fmt::format("found a count of {} {}, expected no more than the rest of the file holds", count, what));
   return static_cast<std::size_t>(count);
 }

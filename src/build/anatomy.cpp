@@ -29,8 +29,7 @@ double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<
   for (const Landmark& l : landmarks) {
     const Vector3d x = scale * Vector3d(sign * l.point.x(), sign * l.point.y(), l.point.z());
     double nearest = kInfinity;
-    for (const RayCaster& bone : bones)
-      nearest = std::min(nearest, (position(bone.mesh(), bone.closest(x)) - x).norm());
+    for (const RayCaster& bone : bones) nearest = std::min(nearest, distance_to(bone, x));
     distances.push_back(nearest);
   }
   return value_above(distances, 0.25);
@@ -39,12 +38,9 @@ double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<
 constexpr double kOff = 10, kFar = 30;  // mm: a landmark off its bone, and one that belongs to no bone
 
 double largest_side(const std::vector<Landmark>& landmarks) {
-  Vector3d low = landmarks.front().point, high = low;
-  for (const Landmark& l : landmarks) {
-    low = low.cwiseMin(l.point);
-    high = high.cwiseMax(l.point);
-  }
-  return (high - low).maxCoeff();
+  Eigen::AlignedBox3d box;
+  for (const Landmark& l : landmarks) box.extend(l.point);
+  return box.sizes().maxCoeff();
 }
 
 struct Unit {
@@ -255,10 +251,11 @@ std::vector<std::string> odd_directions(const HipMeasures& m, const Vector3d& op
   const Vector3d& axis = m.rim.empty() ? opening : m.rim_normal;
   const double side = lateral_sign(m.side), forwards = axis.dot(m.axes.col(0)),
                lateral = side * axis.dot(m.axes.col(2));
-  const auto arc = [](double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)) * kDegreesPerRadian; };
-  if (forwards < 0) odd.push_back(fmt::format("a socket that opens backwards by {:.1f} degrees", arc(-forwards)));
+  if (forwards < 0)
+    odd.push_back(fmt::format("a socket that opens backwards by {:.1f} degrees", arc_of_sine(-forwards)));
   if (lateral < 0)
-    odd.push_back(fmt::format("a socket that opens towards the middle of the body by {:.1f} degrees", arc(-lateral)));
+    odd.push_back(
+        fmt::format("a socket that opens towards the middle of the body by {:.1f} degrees", arc_of_sine(-lateral)));
   if (m.anterior_center_edge > 90)
     odd.push_back(fmt::format("an anterior center-edge angle of {:.1f} degrees", m.anterior_center_edge));
   if (!neck) return odd;
@@ -310,10 +307,7 @@ const AnatomicalFrame& frame_called(const Anatomy& anatomy, const std::string& n
 
 double size_of_bones(const std::vector<BoneRequest>& bones) {
   double size = 0;
-  for (const BoneRequest& b : bones) {
-    const auto box = box_of(b.surface);
-    size = std::max(size, (box[1] - box[0]).maxCoeff());
-  }
+  for (const BoneRequest& b : bones) size = std::max(size, box_of(b.surface).sizes().maxCoeff());
   return size;
 }
 

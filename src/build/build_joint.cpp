@@ -12,7 +12,6 @@
 #include "src/base/say.h"
 #include "src/build/clear_overlap.h"
 #include "src/build/mend_surface.h"
-#include "src/build/pseudonormal.h"
 #include "src/build/remesh.h"
 
 namespace dea {
@@ -32,6 +31,9 @@ double asked_thickness(const CartilageRequest& c) {
 }
 
 namespace {
+
+/// More triangles than these are not made of one layer's surface.
+constexpr double kMostTriangles = 1'000'000;
 
 using Eigen::Vector3d;
 using Way = CartilageRequest::Way;
@@ -76,10 +78,7 @@ std::string place_text(const Vector3d& x) { return fmt::format("({:.4g}, {:.4g},
 /// Between the points of one and the surface of the other.
 double least_distance(const Bone& a, const Bone& b) {
   std::vector<double> distances(a.surface.points.size());
-  parallel_for(distances.size(), [&](std::size_t i) {
-    const Vector3d& x = a.surface.points[i];
-    distances[i] = (position(b.caster.mesh(), b.caster.closest(x)) - x).norm();
-  });
+  parallel_for(distances.size(), [&](std::size_t i) { distances[i] = distance_to(b.caster, a.surface.points[i]); });
   return *std::min_element(distances.begin(), distances.end());
 }
 
@@ -160,10 +159,8 @@ void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones)
       const std::vector<Vector3d> at_vertices = angle_weighted_normals(caster.mesh());
       std::vector<double> depth(points.size(), 0.0);
       parallel_for(points.size(), [&](std::size_t i) {
-        if ((points[i].array() < box[0].array()).any() || (points[i].array() > box[1].array()).any()) return;
-        const SurfacePoint closest = caster.closest(points[i]);
-        const Vector3d away = points[i] - position(caster.mesh(), closest);
-        if (away.dot(pseudonormal(caster.mesh(), at_vertices, closest)) < 0) depth[i] = away.norm();
+        if (!box.contains(points[i])) return;
+        depth[i] = std::max(0.0, -signed_distance(caster, at_vertices, points[i]));
       });
       const auto deepest = std::max_element(depth.begin(), depth.end());
       if (*deepest > 1e-4 * size_of(bones[b].surface))
@@ -211,8 +208,7 @@ double fade_of(const CartilageRequest& c, const BuildRequest& request) {
 void refuse_far_places(const CartilageRequest& c, const BuildRequest& request, const std::vector<Bone>& bones) {
   const Bone& bone = bones[at(c.bone)];
   double nearest = kInfinity;
-  for (const Vector3d& x : c.places)
-    nearest = std::min(nearest, (position(bone.caster.mesh(), bone.caster.closest(x)) - x).norm());
+  for (const Vector3d& x : c.places) nearest = std::min(nearest, distance_to(bone.caster, x));
   if (nearest > 0.2 * size_of(bone.surface))
     throw InputError(
         fmt::format("thickness of \"{}\": found its nearest point {:.4g} away from the bone, expected points on the "
@@ -259,8 +255,7 @@ TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& 
   double balance = 0, nearest = kInfinity;
   for (std::size_t t = 0; t < outer.size(); ++t) {
     const auto& k = s.triangles[t];
-    const Vector3d &a = s.points[at(k[0])], &b = s.points[at(k[1])], &d = s.points[at(k[2])];
-    const Vector3d n = (b - a).cross(d - a), x = (a + b + d) / 3;
+    const Vector3d n = area_vector(s, k), x = (s.points[at(k[0])] + s.points[at(k[1])] + s.points[at(k[2])]) / 3;
     const SurfacePoint closest = bone.caster.closest(x);
     nearest = std::min(nearest, (x - position(bone.caster.mesh(), closest)).norm());
     facing[t] = n.normalized().dot(bone.caster.mesh().normals[at(closest.triangle)]);
@@ -271,9 +266,7 @@ TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& 
         "cartilage of \"{}\": found it {:.4g} away from the bone where it is nearest, expected it on the bone; "
         "are both in one frame and unit?",
         name, nearest));
-  bool closed = true;
-  for (const auto& n : edge_neighbours(s)) closed = closed && n[0] >= 0 && n[1] >= 0 && n[2] >= 0;
-  if (!closed) {
+  if (!rim_edges(s.triangles, edge_neighbours(s.triangles)).empty()) {
     if (balance < 0) {
       s = turned(std::move(s));
       report.findings.push_back(fmt::format("{}: cartilage surface turned, it looked into the bone", name));
@@ -293,11 +286,11 @@ TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& 
 
 /// Each connected part is a layer.
 std::vector<TriangleSurface> parts_of(const TriangleSurface& s) {
-  const std::vector<int> part = connected_parts(s);
+  const SurfaceParts of = connected_parts(s);
   std::vector<TriangleSurface> parts;
-  for (int p = 0; p <= *std::max_element(part.begin(), part.end()); ++p) {
-    std::vector<char> wanted(part.size());
-    for (std::size_t t = 0; t < part.size(); ++t) wanted[t] = part[t] == p;
+  for (int p = 0; p < static_cast<int>(of.area.size()); ++p) {
+    std::vector<char> wanted(of.part.size());
+    for (std::size_t t = 0; t < wanted.size(); ++t) wanted[t] = of.part[t] == p;
     parts.push_back(part_of(s, wanted));
   }
   return parts;
@@ -513,13 +506,8 @@ void add_contacts(const BuildRequest& request, double reach, BuiltJoint& joint, 
 void set_center(const BoneRequest& bone, int body, BuiltJoint& joint, BuildReport& report) {
   BuiltBody& b = joint.bodies[at(body)];
   TriangleSurface all;
-  for (const BuiltLayer& l : joint.layers) {
-    if (l.body != body) continue;
-    const int first = static_cast<int>(all.points.size());
-    const auto& points = l.bare ? l.articular : l.bone;
-    all.points.insert(all.points.end(), points.begin(), points.end());
-    for (const auto& t : l.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
+  for (const BuiltLayer& l : joint.layers)
+    if (l.body == body) all.append({l.bare ? l.articular : l.bone, l.triangles});
   const SurfaceMesh mesh = mesh_of(all);
   const SphereFit fit = fit_sphere(mesh);
   if (bone.center) {
@@ -566,11 +554,7 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
   for (std::size_t b = 0; b < bones.size(); ++b) {
     const BoneRequest& bone = request.bones[b];
     BuiltBody body;
-    body.name = bone.name;
-    body.fixed = bone.fixed;
-    body.held = bone.held;
-    body.force = bone.force;
-    body.forces = bone.forces;
+    static_cast<BoneLoads&>(body) = bone;
     joint.bodies.push_back(body);
     const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
     const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);

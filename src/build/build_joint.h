@@ -17,16 +17,11 @@
 
 namespace dea {
 
-struct BoneRequest {
-  std::string name;
+struct BoneRequest : BoneLoads {
   TriangleSurface surface;  ///< mended (mend_surface)
   bool closed = true;
   std::optional<Eigen::Vector3d> center;  ///< in place of the one that is found
-  bool fixed = true;
-  std::array<bool, 3> held = {false, false, false};  ///< if not fixed: directions in which it is held all the same
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> forces;  ///< of a table, one per row; empty: `force` alone
-  std::string force_frame;              ///< along whose axes the force's numbers are (leave_frames); empty: the scans'
+  std::string force_frame;  ///< along whose axes the force's numbers are (leave_frames); empty: the scans'
 };
 
 struct CartilageRequest {
@@ -93,9 +88,6 @@ struct BuildReport {
 
 /// Open surfaces become oriented such that they face the other bones; build_joint does that by itself.
 void turn_open_bones(BuildRequest& request, BuildReport& report);
-
-/// More triangles than these are not made of one layer's surface.
-inline constexpr double kMostTriangles = 1'000'000;
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
 /// bone, prisms that cannot be made sound.

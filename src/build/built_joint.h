@@ -21,14 +21,18 @@ struct BuiltLayer {
   TriangleSurface face() const { return {articular, triangles}; }
 };
 
-struct BuiltBody {
+/// A bone, and what holds and loads it.
+struct BoneLoads {
   std::string name;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< where its force acts, and about which it turns
-  std::string center_words;                          ///< how it was found
   bool fixed = true;
   std::array<bool, 3> held = {false, false, false};  ///< if not fixed: directions in which it is held all the same
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< in the last step, or of the table's first row
   std::vector<Eigen::Vector3d> forces;               ///< of a table, one per row; empty: `force` alone
+};
+
+struct BuiltBody : BoneLoads {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< where its force acts, and about which it turns
+  std::string center_words;                          ///< how it was found
   TriangleSurface shell;                             ///< the bone, to be looked at and to carry the body; may be empty
 };
 

@@ -36,16 +36,8 @@ TriangleSurface part_with(const TriangleSurface& s, const std::vector<char>& poi
     wanted[t] = std::all_of(s.triangles[t].begin(), s.triangles[t].end(), [&](int p) { return points[at(p)]; });
   TriangleSurface all = part_of(s, wanted);
   if (all.triangles.empty()) return all;
-  const std::vector<int> part = connected_parts(all);
-  std::vector<double> area(static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end())), 0.0);
-  for (std::size_t t = 0; t < part.size(); ++t) {
-    const auto& c = all.triangles[t];
-    area[at(part[t])] += area_of({{all.points[at(c[0])], all.points[at(c[1])], all.points[at(c[2])]}, {{0, 1, 2}}});
-  }
-  const double most = *std::max_element(area.begin(), area.end());
-  std::vector<char> large(part.size());
-  for (std::size_t t = 0; t < part.size(); ++t) large[t] = area[at(part[t])] >= 0.05 * most;
-  return part_of(all, large);
+  const SurfaceParts parts = connected_parts(all);
+  return large_parts(all, parts, 0.05 * *std::max_element(parts.area.begin(), parts.area.end()));
 }
 
 struct Fitted {
@@ -90,7 +82,6 @@ std::vector<char> points_that_face(const TriangleSurface& bone, const std::vecto
 
 struct Face {
   SphereFit sphere;
-  int points = 0;
   double sense = 0.0;  ///< mean cosine between normals and radii: near 1 a ball, near -1 a bowl
 };
 
@@ -99,7 +90,6 @@ std::optional<Face> face_of(const TriangleSurface& bone, const std::vector<Vecto
   const TriangleSurface part = part_with(bone, points_that_face(bone, normals, other, reach));
   if (part.points.size() < 12) return std::nullopt;
   Face face;
-  face.points = static_cast<int>(part.points.size());
   face.sphere = fit_sphere(mesh_of(part));
   const std::vector<Vector3d> n = point_normals(part);
   for (std::size_t i = 0; i < n.size(); ++i)
@@ -257,11 +247,12 @@ void measure_rim(const Wall& wall, const Vector3d& opening, HipMeasures& m) {
   }
   m.rim_normal = axis;
   fit_circle(plane, m);
-  const SocketAngles angles = socket_angles(axis, m.axes, m.side);
-  m.inclination_radiographic = angles.inclination_radiographic;
-  m.anteversion_radiographic = angles.anteversion_radiographic;
-  m.inclination_anatomic = angles.inclination_anatomic;
-  m.anteversion_anatomic = angles.anteversion_anatomic;
+  const double forwards = axis.dot(m.axes.col(0)), down = -axis.dot(m.axes.col(1)),
+               lateral = lateral_sign(m.side) * axis.dot(m.axes.col(2));
+  m.inclination_radiographic = std::atan2(lateral, down) * kDegreesPerRadian;
+  m.anteversion_radiographic = arc_of_sine(forwards);
+  m.inclination_anatomic = 90 - arc_of_sine(down);
+  m.anteversion_anatomic = std::atan2(forwards, lateral) * kDegreesPerRadian;
 }
 
 // ---- sections ------------------------------------------------------------------------------------------------------
@@ -365,6 +356,8 @@ void measure_sections(const Wall& wall, HipMeasures& m) {
 
 }  // namespace
 
+double arc_of_sine(double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)) * kDegreesPerRadian; }
+
 std::optional<BallInSocket> find_ball_in_socket(const std::vector<TriangleSurface>& bones, int socket, int ball) {
   std::vector<std::vector<Vector3d>> normals;
   std::vector<RayCaster> casters;
@@ -378,10 +371,8 @@ std::optional<BallInSocket> find_ball_in_socket(const std::vector<TriangleSurfac
       if (s == b || (socket >= 0 && s != at(socket)) || (ball >= 0 && b != at(ball))) continue;
       double nearest = kInfinity;
       const std::size_t step = 1 + bones[b].points.size() / 5000;
-      for (std::size_t i = 0; i < bones[b].points.size(); i += step) {
-        const Vector3d& x = bones[b].points[i];
-        nearest = std::min(nearest, (position(casters[s].mesh(), casters[s].closest(x)) - x).norm());
-      }
+      for (std::size_t i = 0; i < bones[b].points.size(); i += step)
+        nearest = std::min(nearest, distance_to(casters[s], bones[b].points[i]));
       const double reach = 3 * nearest + 0.03 * std::min(size_of(bones[s]), size_of(bones[b]));
       const std::optional<Face> bowl = face_of(bones[s], normals[s], casters[b], reach),
                                 round = face_of(bones[b], normals[b], casters[s], reach);
@@ -425,14 +416,6 @@ std::optional<Vector3d> neck_direction(const TriangleSurface& bone, const Sphere
   constexpr double kOneSided = 0.6;  // all within a cone of 53 degrees about a neck have 0.8
   if (!(sum.norm() > kOneSided * area)) return std::nullopt;
   return -sum.normalized();
-}
-
-SocketAngles socket_angles(const Vector3d& axis, const Matrix3d& axes, BodySide side) {
-  const double forwards = axis.dot(axes.col(0)), down = -axis.dot(axes.col(1)),
-               lateral = lateral_sign(side) * axis.dot(axes.col(2));
-  const auto arc = [](double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)) * kDegreesPerRadian; };
-  return {std::atan2(lateral, down) * kDegreesPerRadian, arc(forwards), 90 - arc(down),
-          std::atan2(forwards, lateral) * kDegreesPerRadian};
 }
 
 HipMeasures measure_hip(const TriangleSurface& socket_bone, const TriangleSurface& head_bone,

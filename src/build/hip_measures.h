@@ -58,7 +58,11 @@ struct HipMeasures {
   double lateral_center_edge = kNaN;   ///< Wiberg 1939: coronal plane; > 0: the edge is lateral of the centre
   double anterior_center_edge = kNaN;  ///< the same in the sagittal plane; > 0: the edge is in front of the centre
   double acetabular_index = kNaN;      ///< Toennis: roof against the horizontal, > 0: it rises laterally
-  double inclination_radiographic = kNaN, anteversion_radiographic = kNaN;  ///< of rim_normal, Murray 1993
+  // of rim_normal, as Murray 1993, J Bone Joint Surg Br 75:228, defines them. Radiographic: inclination between the
+  // body's long axis and the axis projected on the coronal plane, anteversion between the axis and that plane.
+  // Anatomic: inclination between axis and long axis, anteversion between the axis projected on the transverse plane
+  // and the line across. Anteversion > 0: it opens forwards
+  double inclination_radiographic = kNaN, anteversion_radiographic = kNaN;
   double inclination_anatomic = kNaN, anteversion_anatomic = kNaN;
   HipSection coronal, sagittal;
   std::vector<std::string> missing;  ///< what cannot be measured, and why, a line each
@@ -90,13 +94,7 @@ Eigen::Vector3d opening_of(const TriangleSurface& socket_bone, const SphereFit& 
 /// nothing is there, or it lies to all sides, as where a ball has no neck.
 std::optional<Eigen::Vector3d> neck_direction(const TriangleSurface& head_bone, const SphereFit& head);
 
-/// Angles of a socket's axis (unit, out of the socket) as Murray 1993, J Bone Joint Surg Br 75:228, defines them
-/// [degrees]. Radiographic: inclination between the body's long axis and the axis projected on the coronal plane,
-/// anteversion between the axis and that plane. Anatomic: inclination between axis and long axis, anteversion between
-/// the axis projected on the transverse plane and the line across. Anteversion > 0: it opens forwards.
-struct SocketAngles {
-  double inclination_radiographic, anteversion_radiographic, inclination_anatomic, anteversion_anatomic;
-};
-SocketAngles socket_angles(const Eigen::Vector3d& axis, const Eigen::Matrix3d& axes, BodySide side);
+/// The angle with this sine, to rounding [degrees].
+double arc_of_sine(double sine);
 
 }  // namespace dea

@@ -9,7 +9,6 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/build/mend_surface.h"
-#include "src/build/pseudonormal.h"
 #include "src/build/region.h"
 
 namespace dea {
@@ -146,20 +145,17 @@ std::vector<double> prism_jacobians(const BuiltLayer& layer, int elements_throug
 SheetRim sheet_rim(const BuiltLayer& layer) {
   SheetRim rim;
   const TriangleSurface face = layer.face();
-  const auto neighbours = edge_neighbours(face);
   const auto thickness = [&](int v) { return layer.bare ? 0.0 : (layer.articular[at(v)] - layer.bone[at(v)]).norm(); };
   DisjointSets lines(face.points.size());
   std::vector<char> on_rim(face.points.size(), 0);
-  for (std::size_t t = 0; t < neighbours.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (neighbours[t][k] >= 0) continue;
-      const int a = face.triangles[t][k], b = face.triangles[t][(k + 1) % 3];
-      const double length = (face.points[at(a)] - face.points[at(b)]).norm();
-      rim.length += length;
-      rim.thickness += length * (thickness(a) + thickness(b)) / 2;
-      on_rim[at(a)] = on_rim[at(b)] = 1;
-      lines.join(a, b);
-    }
+  for (const auto& edge : rim_edges(face.triangles, edge_neighbours(face.triangles))) {
+    const int a = edge[0], b = edge[1];
+    const double length = (face.points[at(a)] - face.points[at(b)]).norm();
+    rim.length += length;
+    rim.thickness += length * (thickness(a) + thickness(b)) / 2;
+    on_rim[at(a)] = on_rim[at(b)] = 1;
+    lines.join(a, b);
+  }
   for (std::size_t v = 0; v < on_rim.size(); ++v)
     rim.rims += on_rim[v] && lines.root(static_cast<int>(v)) == static_cast<int>(v);
   if (rim.length > 0) rim.thickness /= rim.length;
@@ -201,23 +197,18 @@ BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector
 }
 
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
-  constexpr double kCos60 = 0.5;
-  const std::vector<Vector3d> normals = point_normals(articular);
+  std::vector<Vector3d> inwards = point_normals(articular);
+  for (Vector3d& n : inwards) n = -n;
   const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
-  Beneath beneath{std::vector<double>(n), std::vector<char>(n, 0), std::vector<char>(n, 0)};
+  Beneath beneath{facing_gaps(articular.points, inwards, bone, kInfinity), std::vector<char>(n, 0),
+                  std::vector<char>(n, 0)};
   parallel_for(n, [&](std::size_t v) {
-    const Vector3d& x = articular.points[v];
-    const LineHit hit = bone.nearest_facing(x, -normals[v], 0.0, 0.0, kInfinity, kCos60);
-    if (hit.point.triangle >= 0 && hit.distance > 0 && bone.within(x, 0.5 * hit.distance).empty()) {
-      beneath.thickness[v] = hit.distance;
-      return;
-    }
-    const SurfacePoint closest = bone.closest(x);
-    const Vector3d away = x - position(bone.mesh(), closest);
+    if (std::isfinite(beneath.thickness[v])) return;
+    const double distance = signed_distance(bone, at_vertices, articular.points[v]);
     beneath.missed[v] = 1;
-    beneath.under[v] = away.dot(pseudonormal(bone.mesh(), at_vertices, closest)) < 0;
-    beneath.thickness[v] = beneath.under[v] ? 0.0 : away.norm();
+    beneath.under[v] = distance < 0;
+    beneath.thickness[v] = std::max(0.0, distance);
   });
   return beneath;
 }

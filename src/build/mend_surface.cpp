@@ -2,16 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
-#include <unordered_map>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
+#include "src/geometry/coincident.h"
+#include "src/geometry/surface_mesh.h"
 
 namespace dea {
 
@@ -20,58 +18,23 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<int, 3>;
 
-Vector3d area_vector(const TriangleSurface& s, const Triangle& t) {
-  const Vector3d& a = s.points[at(t[0])];
-  return 0.5 * (s.points[at(t[1])] - a).cross(s.points[at(t[2])] - a);
-}
-
-/// Points at one place become one: cells of a grid a little larger than the tolerance, each looked up with its
-/// neighbours.
-class PointMerger {
- public:
-  explicit PointMerger(double tolerance) : tolerance_(tolerance) {}
-
-  int merged(const Vector3d& x, std::vector<Vector3d>& points) {
-    const Eigen::Array3d scaled = x.array() / (2 * tolerance_);
-    for (int corner = 0; corner < 8; ++corner) {  // the cells that the point's surroundings reach
-      Eigen::Array3d cell;
-      for (int c = 0; c < 3; ++c) cell[c] = std::floor(scaled[c] + ((corner >> c & 1) != 0 ? 0.5 : -0.5));
-      const auto found = cells_.find(key(cell));
-      if (found == cells_.end()) continue;
-      for (const int other : found->second)
-        if ((points[at(other)] - x).norm() <= tolerance_) return other;
-    }
-    points.push_back(x);
-    cells_[key(scaled.floor())].push_back(static_cast<int>(points.size()) - 1);
-    return static_cast<int>(points.size()) - 1;
-  }
-
- private:
-  static std::uint64_t key(const Eigen::Array3d& cell) {
-    std::uint64_t k = 0;
-    for (int c = 0; c < 3; ++c)
-      k = (k ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(cell[c]))) * 0x9E3779B97F4A7C15ULL;
-    return k;
-  }
-  double tolerance_;
-  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
-};
-
 TriangleSurface with_points_once(const TriangleSurface& s, SurfaceFaults& faults) {
-  PointMerger merger(std::max(1e-7 * size_of(s), 1e-300));
+  std::vector<int> used;
+  for (const Triangle& t : s.triangles) used.insert(used.end(), t.begin(), t.end());
+  const auto stands_for = coincident_nodes(used, s.points, 1e-7 * size_of(s));
   TriangleSurface result;
   std::vector<int> now(s.points.size(), -1);
   std::set<Triangle> seen;
-  std::size_t used = 0;
   for (const Triangle& t : s.triangles) {
     Triangle corners;
     for (std::size_t k = 0; k < 3; ++k) {
-      int& p = now[at(t[k])];
-      if (p < 0) {
-        p = merger.merged(s.points[at(t[k])], result.points);
-        ++used;
+      const auto other = stands_for.find(t[k]);
+      const int point = other == stands_for.end() ? t[k] : other->second;
+      if (now[at(point)] < 0) {
+        now[at(point)] = static_cast<int>(result.points.size());
+        result.points.push_back(s.points[at(point)]);
       }
-      corners[k] = p;
+      corners[k] = now[at(point)];
     }
     Triangle sorted = corners;
     std::sort(sorted.begin(), sorted.end());
@@ -86,14 +49,12 @@ TriangleSurface with_points_once(const TriangleSurface& s, SurfaceFaults& faults
     else
       result.triangles.push_back(corners);
   }
-  faults.unused_points = s.points.size() - used;
-  faults.merged_points = used - result.points.size();
   return result;
 }
 
 /// Neighbours that run along their common edge the same way disagree; the fewer triangles of a part are turned.
 void orient(TriangleSurface& s, SurfaceFaults& faults) {
-  const auto neighbours = edge_neighbours(s);
+  const auto neighbours = edge_neighbours(s.triangles);
   std::vector<int> side(s.triangles.size(), 0);
   for (std::size_t first = 0; first < side.size(); ++first) {
     if (side[first] != 0) continue;
@@ -130,7 +91,7 @@ void orient(TriangleSurface& s, SurfaceFaults& faults) {
 /// Corners of a triangle that only hang together at a point, or at an edge of many triangles, become points of their
 /// own: every edge then has at most two triangles.
 void cut_loose(TriangleSurface& s) {
-  const auto neighbours = edge_neighbours(s);
+  const auto neighbours = edge_neighbours(s.triangles);
   std::vector<Vector3d> points;
   std::vector<Triangle> triangles(s.triangles.size(), Triangle{-1, -1, -1});
   for (std::size_t t = 0; t < s.triangles.size(); ++t) {
@@ -160,31 +121,20 @@ void cut_loose(TriangleSurface& s) {
 
 /// Loose parts below 1 % of the whole area.
 TriangleSurface without_islands(const TriangleSurface& s, SurfaceFaults& faults) {
-  const std::vector<int> part = connected_parts(s);
-  std::vector<double> area(static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end())), 0.0);
-  double whole = 0;
-  for (std::size_t t = 0; t < part.size(); ++t) {
-    const double a = area_vector(s, s.triangles[t]).norm();
-    area[at(part[t])] += a;
-    whole += a;
-  }
-  std::vector<char> wanted(part.size());
-  for (std::size_t t = 0; t < part.size(); ++t) wanted[t] = area[at(part[t])] >= 0.01 * whole;
-  for (const double a : area) (a < 0.01 * whole ? faults.islands : faults.parts) += 1;
+  const SurfaceParts parts = connected_parts(s);
+  const double least = 0.01 * area_of(s);
+  for (const double area : parts.area) (area < least ? faults.islands : faults.parts) += 1;
   if (faults.islands == 0) return s;
-  faults.island_triangles = static_cast<std::size_t>(std::count(wanted.begin(), wanted.end(), 0));
-  return part_of(s, wanted);
+  TriangleSurface kept = large_parts(s, parts, least);
+  faults.island_triangles = s.triangles.size() - kept.triangles.size();
+  return kept;
 }
 
 void count_rims(const TriangleSurface& s, SurfaceFaults& faults) {
+  const auto rim = rim_edges(s.triangles, edge_neighbours(s.triangles));
+  faults.rim_edges = rim.size();
   std::map<int, int> next;
-  const auto neighbours = edge_neighbours(s);
-  for (std::size_t t = 0; t < neighbours.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (neighbours[t][k] < 0) {
-        next[s.triangles[t][k]] = s.triangles[t][(k + 1) % 3];
-        ++faults.rim_edges;
-      }
+  for (const auto& edge : rim) next[edge[0]] = edge[1];
   while (!next.empty()) {
     ++faults.holes;
     for (auto place = next.begin(); place != next.end();) {
@@ -197,11 +147,11 @@ void count_rims(const TriangleSurface& s, SurfaceFaults& faults) {
 
 /// A part without a rim encloses a volume: its sign tells the outside.
 void turn_outwards(TriangleSurface& s, SurfaceFaults& faults) {
-  const std::vector<int> part = connected_parts(s);
-  const auto neighbours = edge_neighbours(s);
-  const auto parts = static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end()));
-  std::vector<char> open(parts, 0);
-  std::vector<double> volume(parts, 0.0);
+  const SurfaceParts parts = connected_parts(s);
+  const std::vector<int>& part = parts.part;
+  const auto neighbours = edge_neighbours(s.triangles);
+  std::vector<char> open(parts.area.size(), 0);
+  std::vector<double> volume(parts.area.size(), 0.0);
   const Vector3d origin = s.points[at(s.triangles[0][0])];
   for (std::size_t t = 0; t < part.size(); ++t) {
     for (const int n : neighbours[t]) open[at(part[t])] |= n < 0;
@@ -216,63 +166,36 @@ void turn_outwards(TriangleSurface& s, SurfaceFaults& faults) {
 
 }  // namespace
 
-std::vector<std::array<int, 3>> edge_neighbours(const TriangleSurface& s, std::size_t* non_manifold) {
-  struct Side {
-    std::uint64_t edge;
-    int triangle;
-    int k;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * s.triangles.size());
-  for (std::size_t t = 0; t < s.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::uint64_t>(s.triangles[t][at(k)]),
-                 b = static_cast<std::uint64_t>(s.triangles[t][at((k + 1) % 3)]);
-      sides.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<int>(t), k});
-    }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle; });
-  std::vector<std::array<int, 3>> neighbours(s.triangles.size(), {-1, -1, -1});
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i;
-    while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
-    if (end - i == 2) {
-      neighbours[at(sides[i].triangle)][at(sides[i].k)] = sides[i + 1].triangle;
-      neighbours[at(sides[i + 1].triangle)][at(sides[i + 1].k)] = sides[i].triangle;
-    } else if (end - i > 2 && non_manifold != nullptr) {
-      ++*non_manifold;
-    }
-    i = end;
-  }
-  return neighbours;
+Vector3d area_vector(const TriangleSurface& s, const Triangle& t) {
+  const Vector3d& a = s.points[at(t[0])];
+  return 0.5 * (s.points[at(t[1])] - a).cross(s.points[at(t[2])] - a);
 }
 
-std::vector<int> connected_parts(const TriangleSurface& s) {
-  const auto neighbours = edge_neighbours(s);
-  std::vector<int> part(s.triangles.size(), -1);
-  int parts = 0;
-  for (std::size_t first = 0; first < part.size(); ++first) {
-    if (part[first] >= 0) continue;
-    std::vector<std::size_t> open = {first};
-    part[first] = parts;
-    while (!open.empty()) {
-      const std::size_t t = open.back();
-      open.pop_back();
-      for (const int n : neighbours[t])
-        if (n >= 0 && part[at(n)] < 0) {
-          part[at(n)] = parts;
-          open.push_back(at(n));
-        }
-    }
-    ++parts;
+SurfaceParts connected_parts(const TriangleSurface& s) {
+  const auto neighbours = edge_neighbours(s.triangles);
+  DisjointSets joined(s.triangles.size());
+  for (std::size_t t = 0; t < neighbours.size(); ++t)
+    for (const int n : neighbours[t])
+      if (n >= 0) joined.join(static_cast<int>(t), n);
+  SurfaceParts parts;
+  for (std::size_t t = 0; t < neighbours.size(); ++t) {
+    const std::size_t first = at(joined.root(static_cast<int>(t)));  // the least, so it has its part already
+    if (first == t) parts.area.push_back(0.0);
+    parts.part.push_back(first == t ? static_cast<int>(parts.area.size()) - 1 : parts.part[first]);
+    parts.area[at(parts.part[t])] += area_vector(s, s.triangles[t]).norm();
   }
-  return part;
+  return parts;
 }
 
-TriangleSurface part_of(const TriangleSurface& s, const std::vector<char>& wanted, std::vector<int>* from) {
+TriangleSurface large_parts(const TriangleSurface& s, const SurfaceParts& parts, double least) {
+  std::vector<char> wanted(s.triangles.size());
+  for (std::size_t t = 0; t < wanted.size(); ++t) wanted[t] = parts.area[at(parts.part[t])] >= least;
+  return part_of(s, wanted);
+}
+
+TriangleSurface part_of(const TriangleSurface& s, const std::vector<char>& wanted) {
   TriangleSurface result;
   std::vector<int> now(s.points.size(), -1);
-  if (from != nullptr) from->clear();
   for (std::size_t t = 0; t < s.triangles.size(); ++t) {
     if (!wanted[t]) continue;
     Triangle corners;
@@ -281,7 +204,6 @@ TriangleSurface part_of(const TriangleSurface& s, const std::vector<char>& wante
       if (p < 0) {
         p = static_cast<int>(result.points.size());
         result.points.push_back(s.points[at(s.triangles[t][k])]);
-        if (from != nullptr) from->push_back(s.triangles[t][k]);
       }
       corners[k] = p;
     }
@@ -296,7 +218,7 @@ MendedSurface mend_surface(const TriangleSurface& surface) {
   TriangleSurface& s = mended.surface;
   s = with_points_once(surface, faults);
   if (s.triangles.empty()) return mended;
-  edge_neighbours(s, &faults.non_manifold);
+  edge_neighbours(s.triangles, false, &faults.non_manifold);
   orient(s, faults);
   cut_loose(s);
   s = without_islands(s, faults);
@@ -331,25 +253,13 @@ double area_of(const TriangleSurface& s) {
   return area;
 }
 
-double volume_of(const TriangleSurface& s) {
-  double volume = 0;
-  for (const Triangle& t : s.triangles) volume += area_vector(s, t).dot(s.points[at(t[0])] - s.points[0]) / 3;
-  return volume;
-}
-
-std::array<Vector3d, 2> box_of(const TriangleSurface& s) {
-  std::array<Vector3d, 2> box = {Vector3d::Constant(kInfinity), Vector3d::Constant(-kInfinity)};
-  for (const Vector3d& x : s.points) {
-    box[0] = box[0].cwiseMin(x);
-    box[1] = box[1].cwiseMax(x);
-  }
+Eigen::AlignedBox3d box_of(const TriangleSurface& s) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& x : s.points) box.extend(x);
   return box;
 }
 
-double size_of(const TriangleSurface& s) {
-  const auto box = box_of(s);
-  return (box[1] - box[0]).norm();
-}
+double size_of(const TriangleSurface& s) { return box_of(s).diagonal().norm(); }
 
 double mean_edge(const TriangleSurface& s) {
   double sum = 0;

@@ -1,5 +1,6 @@
 // src/build/mend_surface.h – what is wrong with a scanned surface, mended where that is safe.
 #pragma once
+#include <Eigen/Geometry>
 #include <array>
 #include <string>
 #include <vector>
@@ -8,10 +9,9 @@
 
 namespace dea {
 
-/// Counts of what was found. Mended: the first six. Left: the others.
+/// Counts of what was found. Points that lie at one place, or within 1e-7 of the surface's size, become one; those of
+/// no triangle are left out.
 struct SurfaceFaults {
-  std::size_t merged_points = 0;     ///< lay at another's place, or within 1e-7 of the surface's size
-  std::size_t unused_points = 0;     ///< of no triangle; left out
   std::size_t degenerate = 0;        ///< triangles of no area; left out
   std::size_t duplicate = 0;         ///< triangles on the same three points; left out
   std::size_t flipped = 0;           ///< triangles turned to agree with their neighbours, the fewer of each part
@@ -38,23 +38,25 @@ MendedSurface mend_surface(const TriangleSurface& surface);
 /// What was found, in words: "3 holes", "12 triangles turned"; empty: nothing.
 std::vector<std::string> fault_words(const SurfaceFaults& faults);
 
-/// Per triangle: which connected part it is of, counted from 0 in the order of their first triangles. Parts join over
-/// edges.
-std::vector<int> connected_parts(const TriangleSurface& surface);
+/// Connected parts, counted from 0 in the order of their first triangles. Parts join over edges.
+struct SurfaceParts {
+  std::vector<int> part;     ///< per triangle
+  std::vector<double> area;  ///< per part
+};
+SurfaceParts connected_parts(const TriangleSurface& surface);
 
-/// Per triangle and edge (k, k + 1): the triangle across; -1: rim, or an edge of three triangles or more.
-std::vector<std::array<int, 3>> edge_neighbours(const TriangleSurface& surface, std::size_t* non_manifold = nullptr);
+/// The triangles that are wanted, and their points.
+TriangleSurface part_of(const TriangleSurface& surface, const std::vector<char>& wanted);
 
-/// The triangles that are wanted, and their points; `from`, if given, has each point's number in `surface`.
-TriangleSurface part_of(const TriangleSurface& surface, const std::vector<char>& wanted,
-                        std::vector<int>* from = nullptr);
+/// The parts with at least this area.
+TriangleSurface large_parts(const TriangleSurface& surface, const SurfaceParts& parts, double least);
 
+/// The normal of a triangle, as long as its area.
+Eigen::Vector3d area_vector(const TriangleSurface& surface, const std::array<int, 3>& triangle);
 double area_of(const TriangleSurface& surface);
-/// Volume inside, by the divergence theorem; of an open surface only of use for its sign.
-double volume_of(const TriangleSurface& surface);
-/// Corners of the box around it.
-std::array<Eigen::Vector3d, 2> box_of(const TriangleSurface& surface);
-/// That box's diagonal.
+/// The box around it.
+Eigen::AlignedBox3d box_of(const TriangleSurface& surface);
+/// The length of its diagonal.
 double size_of(const TriangleSurface& surface);
 double mean_edge(const TriangleSurface& surface);
 

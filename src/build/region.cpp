@@ -15,16 +15,18 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 
+/// Points on the surface's edge.
+std::vector<char> rim_points(const TriangleSurface& s) {
+  return rim_vertices(s.points.size(), s.triangles, edge_neighbours(s.triangles));
+}
+
 /// Distance into the given region, negative outside.
 std::vector<double> depth_in(const TriangleSurface& bone, const GivenRegion& given) {
   std::vector<double> depth(bone.points.size());
   if (given.kind == GivenRegion::Kind::Surface) {
-    const SurfaceMesh mesh = mesh_of(given.surface);
-    const RayCaster caster(mesh);
+    const RayCaster caster(mesh_of(given.surface));
     const double near = std::max(mean_edge(given.surface), mean_edge(bone));
-    parallel_for(depth.size(), [&](std::size_t i) {
-      depth[i] = near - (position(mesh, caster.closest(bone.points[i])) - bone.points[i]).norm();
-    });
+    parallel_for(depth.size(), [&](std::size_t i) { depth[i] = near - distance_to(caster, bone.points[i]); });
     return depth;
   }
   for (std::size_t i = 0; i < depth.size(); ++i) {
@@ -99,11 +101,58 @@ SurfaceMesh mesh_of(const TriangleSurface& surface) {
   return make_surface_mesh(begin, nodes, surface.points);
 }
 
+double distance_to(const RayCaster& surface, const Eigen::Vector3d& x) {
+  return (position(surface.mesh(), surface.closest(x)) - x).norm();
+}
+
+std::vector<Eigen::Vector3d> angle_weighted_normals(const SurfaceMesh& mesh) {
+  std::vector<Eigen::Vector3d> normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
+                            b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+      normals[at(mesh.triangles[at(t)][at(k)])] += std::atan2(a.cross(b).norm(), a.dot(b)) * mesh.normals[at(t)];
+    }
+  return normals;
+}
+
+namespace {
+
+/// Out of the surface at a point of it, not unit: within a triangle its normal, on an edge the sum of both, at a vertex
+/// that of `at_vertices`.
+Eigen::Vector3d pseudonormal(const SurfaceMesh& mesh, const std::vector<Eigen::Vector3d>& at_vertices,
+                             const SurfacePoint& point) {
+  constexpr double kNone = 1e-9;  // barycentric: on the edge
+  const std::size_t t = at(point.triangle);
+  int zeros = 0;
+  std::size_t last_zero = 0, other = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.weights[k] < kNone) {
+      ++zeros;
+      last_zero = k;
+    } else {
+      other = k;
+    }
+  }
+  if (zeros >= 2) return at_vertices[at(mesh.triangles[t][other])];
+  if (zeros == 0) return mesh.normals[t];
+  const int across = mesh.neighbours[t][(last_zero + 1) % 3];
+  return across < 0 ? mesh.normals[t] : Eigen::Vector3d(mesh.normals[t] + mesh.normals[at(across)]);
+}
+
+}  // namespace
+
+double signed_distance(const RayCaster& surface, const std::vector<Eigen::Vector3d>& at_vertices,
+                       const Eigen::Vector3d& x) {
+  const SurfacePoint closest = surface.closest(x);
+  const Eigen::Vector3d away = x - position(surface.mesh(), closest);
+  return away.dot(pseudonormal(surface.mesh(), at_vertices, closest)) < 0 ? -away.norm() : away.norm();
+}
+
 std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& s) {
   std::vector<Eigen::Vector3d> normals(s.points.size(), Eigen::Vector3d::Zero());
   for (const Triangle& t : s.triangles) {
-    const Eigen::Vector3d& a = s.points[at(t[0])];
-    const Eigen::Vector3d n = (s.points[at(t[1])] - a).cross(s.points[at(t[2])] - a);
+    const Eigen::Vector3d n = area_vector(s, t);
     for (const int p : t) normals[at(p)] += n;
   }
   for (Eigen::Vector3d& n : normals) n.normalize();
@@ -123,35 +172,16 @@ std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, cons
 }
 
 std::vector<std::vector<int>> point_neighbours(const TriangleSurface& s) {
-  std::vector<std::vector<int>> neighbours(s.points.size());
-  for (const Triangle& t : s.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      neighbours[at(t[k])].push_back(t[(k + 1) % 3]);
-      neighbours[at(t[(k + 1) % 3])].push_back(t[k]);
-    }
-  for (std::vector<int>& n : neighbours) {
-    std::sort(n.begin(), n.end());
-    n.erase(std::unique(n.begin(), n.end()), n.end());
-  }
-  return neighbours;
+  return vertex_neighbours(s.points.size(), s.triangles);
 }
 
 std::vector<double> point_areas(const TriangleSurface& s) {
   std::vector<double> areas(s.points.size(), 0.0);
   for (const Triangle& t : s.triangles) {
-    const double area = area_of({{s.points[at(t[0])], s.points[at(t[1])], s.points[at(t[2])]}, {{0, 1, 2}}});
+    const double area = area_vector(s, t).norm();
     for (const int p : t) areas[at(p)] += area / 3;
   }
   return areas;
-}
-
-std::vector<char> rim_points(const TriangleSurface& s) {
-  std::vector<char> rim(s.points.size(), 0);
-  const auto neighbours = edge_neighbours(s);
-  for (std::size_t t = 0; t < neighbours.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (neighbours[t][k] < 0) rim[at(s.triangles[t][k])] = rim[at(s.triangles[t][(k + 1) % 3])] = 1;
-  return rim;
 }
 
 std::vector<double> smoothed(const TriangleSurface& s, std::vector<double> values, double length) {
@@ -176,6 +206,10 @@ std::vector<double> smoothed(const TriangleSurface& s, std::vector<double> value
   return values;
 }
 
+namespace {
+
+/// What lies where `values` (per point) are above zero; values are linear along edges. Points next to the line move
+/// onto it, so that no slivers arise.
 TriangleSurface cut_at_zero(const TriangleSurface& surface, std::vector<double> values) {
   TriangleSurface s = surface;
   snap_to_zero(s, values);
@@ -212,24 +246,14 @@ TriangleSurface cut_at_zero(const TriangleSurface& surface, std::vector<double> 
   return part_of(s, std::vector<char>(s.triangles.size(), 1));
 }
 
-namespace {
-
 /// Parts that are large enough.
-void leave_small_parts(BoneRegion& region, double least) {
+void leave_small_parts(BoneRegion& region) {
   if (region.surface.triangles.empty()) return;
-  const std::vector<int> part = connected_parts(region.surface);
-  const auto parts = static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end()));
-  std::vector<double> area(parts, 0.0);
-  const TriangleSurface& s = region.surface;
-  for (std::size_t t = 0; t < part.size(); ++t) {
-    const Triangle& c = s.triangles[t];
-    area[at(part[t])] += area_of({{s.points[at(c[0])], s.points[at(c[1])], s.points[at(c[2])]}, {{0, 1, 2}}});
-  }
-  const double most = *std::max_element(area.begin(), area.end());
-  std::vector<char> wanted(part.size());
-  for (std::size_t t = 0; t < part.size(); ++t) wanted[t] = area[at(part[t])] >= least * most;
-  for (const double a : area) (a >= least * most ? region.parts : region.parts_left_out) += 1;
-  region.surface = part_of(region.surface, wanted);
+  const SurfaceParts parts = connected_parts(region.surface);
+  constexpr double kLeastPart = 0.05;  // of the largest
+  const double least = kLeastPart * *std::max_element(parts.area.begin(), parts.area.end());
+  for (const double area : parts.area) region.parts_left_out += !(area >= least);
+  region.surface = large_parts(region.surface, parts, least);
 }
 
 }  // namespace
@@ -252,7 +276,7 @@ BoneRegion find_region(const TriangleSurface& bone, const std::vector<double>& g
     for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = found ? std::min(inside[i], depth[i]) : depth[i];
   }
   region.surface = cut_at_zero(bone, inside);
-  leave_small_parts(region, options.least_part);
+  leave_small_parts(region);
   return region;
 }
 
@@ -280,11 +304,7 @@ void fill_unknown(const TriangleSurface& s, std::vector<double>& values, double 
 }
 
 std::vector<double> distances_to_rim(const TriangleSurface& s) {
-  const auto neighbours = edge_neighbours(s);
-  std::vector<std::array<int, 2>> rim;
-  for (std::size_t t = 0; t < neighbours.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (neighbours[t][k] < 0) rim.push_back({s.triangles[t][k], s.triangles[t][(k + 1) % 3]});
+  const auto rim = rim_edges(s.triangles, edge_neighbours(s.triangles));
   std::vector<double> distances(s.points.size(), kInfinity);
   parallel_for(distances.size(), [&](std::size_t i) {
     for (const auto& edge : rim)

@@ -13,6 +13,19 @@ namespace dea {
 /// For rays and closest points; its vertices need not have the points' order.
 SurfaceMesh mesh_of(const TriangleSurface& surface);
 
+/// From a point to the nearest of a surface.
+double distance_to(const RayCaster& surface, const Eigen::Vector3d& x);
+
+/// Per vertex: the sum of the normals of the triangles around it, weighted by their angles there; not unit.
+std::vector<Eigen::Vector3d> angle_weighted_normals(const SurfaceMesh& mesh);
+
+/// Of a point from a surface, < 0: inside. `at_vertices`: angle_weighted_normals of its mesh.
+/// The sign of (x - closest point) . pseudonormal is right on every closed surface, with sharp edges and triangles of
+/// any size (Baerentzen and Aanaes 2005, 10.1109/TVCG.2005.49); normals weighted by area are not: a large triangle
+/// behind an edge, such as where a scan cuts a shaft, would outweigh the small ones before it.
+double signed_distance(const RayCaster& surface, const std::vector<Eigen::Vector3d>& at_vertices,
+                       const Eigen::Vector3d& x);
+
 /// Per point: the area-weighted mean of the normals around it, unit.
 std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& surface);
 
@@ -26,9 +39,6 @@ std::vector<std::vector<int>> point_neighbours(const TriangleSurface& surface);
 
 /// Of each point, a third of the triangles around it.
 std::vector<double> point_areas(const TriangleSurface& surface);
-
-/// Points on the surface's edge.
-std::vector<char> rim_points(const TriangleSurface& surface);
 
 /// Values per point, smoothed over about this length: each step takes the mean of a point and its neighbours, of a
 /// point on the edge those on the edge. Constants stay as they are, to the last bit.
@@ -49,24 +59,18 @@ struct RegionOptions {
   double reach = 6.0;                ///< gaps below belong to the region
   double rim_length = 2.0;           ///< over which the rim is smoothed
   bool fill_holes = true;            ///< those below a quarter of the region's area
-  double least_part = 0.05;          ///< parts smaller than that of the largest are left out
   std::optional<GivenRegion> given;  ///< Surface, Sphere: in place of what is found; Plane: trims it
 };
 
 /// A region, cut out of a bone along a smooth rim.
 struct BoneRegion {
   TriangleSurface surface;  ///< oriented as the bone
-  int parts = 0;
-  int parts_left_out = 0;
+  int parts_left_out = 0;   ///< below a twentieth of the largest
   int holes_filled = 0;
 };
 
 /// `gaps`: of the bone's points, as facing_gaps gives them (the least of all other bones).
 BoneRegion find_region(const TriangleSurface& bone, const std::vector<double>& gaps, const RegionOptions& options);
-
-/// What lies where `values` (per point) are above zero; values are linear along edges. Points next to the line move
-/// onto it, so that no slivers arise.
-TriangleSurface cut_at_zero(const TriangleSurface& surface, std::vector<double> values);
 
 /// Values that are not finite become the mean of their finite neighbours', from those outwards; all unknown: `none`.
 void fill_unknown(const TriangleSurface& surface, std::vector<double>& values, double none);

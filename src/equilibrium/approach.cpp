@@ -127,13 +127,10 @@ Approach back_out(Problem& problem, Evaluation e) {
       const SpringBed& bed = problem.beds.beds[c];
       for (int k = 0; k < s.size(); ++k) {
         if (!s.too_deep[at(k)]) continue;
-        const Vector3d f = bed.springs.area[at(k)] * s.direction[at(k)];
-        const Vector3d arm_t = s.foot[at(k)] - e.poses[at(bed.target_body)].center,
-                       arm_s = s.foot[at(k)] - e.poses[at(bed.source_body)].center;
-        push.segment<3>(6 * bed.target_body) += f;
-        push.segment<3>(6 * bed.target_body + 3) += arm_t.cross(f);
-        push.segment<3>(6 * bed.source_body) -= f;
-        push.segment<3>(6 * bed.source_body + 3) -= arm_s.cross(f);
+        const Vector12 w = unit_wrench(s.foot[at(k)], bed.springs.area[at(k)] * s.direction[at(k)],
+                                       e.poses[at(bed.source_body)], e.poses[at(bed.target_body)]);
+        push.segment<6>(6 * bed.target_body) += w.head<6>();
+        push.segment<6>(6 * bed.source_body) += w.tail<6>();
         depth = std::max(depth, -s.gap[at(k)]);
       }
     }

@@ -37,7 +37,7 @@ void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm
   // dc = dv_b - [arm_b]x w_b - dv_a + [arm_a]x w_a
   Eigen::Matrix<double, 3, 12> dc;
   dc << -Matrix3d::Identity(), skew(arm_a), Matrix3d::Identity(), -skew(arm_b);
-  Eigen::Matrix<double, 12, 12> D;
+  Matrix12 D;
   D.topRows<3>() = K * dc;
   D.middleRows<3>(3) = skew(arm_a) * D.topRows<3>();
   D.middleRows<3>(6) = -D.topRows<3>();
@@ -98,7 +98,7 @@ double curve_slope(const LoadController& curve, double x) {
 
 }  // namespace
 
-void BlockMatrix::add(int a, int b, const Eigen::Matrix<double, 12, 12>& value) {
+void BlockMatrix::add(int a, int b, const Matrix12& value) {
   blocks.push_back({a, a, value.topLeftCorner<6, 6>()});
   blocks.push_back({a, b, value.topRightCorner<6, 6>()});
   blocks.push_back({b, a, value.bottomLeftCorner<6, 6>()});

@@ -22,7 +22,7 @@ struct BlockMatrix {
   };
   std::vector<Block> blocks;
   /// Adds value(0..5, 0..5) at (row, row), and so on: `value` over the dofs of two bodies.
-  void add(int a, int b, const Eigen::Matrix<double, 12, 12>& value);
+  void add(int a, int b, const Matrix12& value);
   void add(int a, const Matrix6& value) { blocks.push_back({a, a, value}); }
   Eigen::MatrixXd dense(int bodies) const;
 };

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "src/base/decompositions.h"
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 #include "src/base/rotations.h"
 #include "src/base/say.h"
@@ -37,8 +37,6 @@ Frame frame_of(const Joint& joint, const Connector& c, const std::vector<Pose>& 
   f.d = B.center + f.arm_b - A.center - f.arm_a;
   return f;
 }
-
-using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 /// A unit force along the direction on B at the joint's point on B, and its opposite on A at the same point.
 Vector12 force_wrench(const Frame& f, const Vector3d& direction) {
@@ -163,7 +161,7 @@ void add_force(const Connector& c, const Frame& f, const Vector3d& force, BodyFo
   forces.value.segment<6>(6 * c.body_b) += w.tail<6>();
   // d force = w_A x force; on B about its centre: arm_b turns with B; on A: lever r = arm_a + d, dr = dv_B + w_B x
   // arm_b - dv_A
-  Eigen::Matrix<double, 12, 12> D = Eigen::Matrix<double, 12, 12>::Zero();
+  Matrix12 D = Matrix12::Zero();
   const Vector3d r = f.arm_a + f.d;
   const Matrix3d turn = -skew(force);
   D.block<3, 3>(0, 3) = -turn;
@@ -182,7 +180,7 @@ void add_moment(const Connector& c, const Vector3d& moment, const Matrix3d& turn
                 BodyForces& forces) {
   forces.value.segment<3>(6 * c.body_a + 3) -= moment;
   forces.value.segment<3>(6 * c.body_b + 3) += moment;
-  Eigen::Matrix<double, 12, 12> D = Eigen::Matrix<double, 12, 12>::Zero();
+  Matrix12 D = Matrix12::Zero();
   D.block<3, 3>(3, 3) = -turn_a;
   D.block<3, 3>(3, 9) = -turn_b;
   D.block<3, 3>(9, 3) = turn_a;
@@ -290,7 +288,7 @@ struct GroupRows {
 GroupRows rows_of(const ConnectorGroups& all, const ConnectorGroups::Group& group,
                   const std::vector<ConnectorRow>& rows) {
   GroupRows result;
-  std::vector<char> member(all.group_of.size(), 0);
+  std::vector<char> member(all.sides_a.size(), 0);
   for (int link : group.links) member[at(link)] = 1;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (member[at(rows[i].link)]) result.rows.push_back(static_cast<int>(i));
@@ -340,31 +338,24 @@ ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const
     active.push_back(!load_case.bodies[b].held_points.empty());
     for (std::vector<int>* side : {&result.sides_a, &result.sides_b}) side->push_back(static_cast<int>(b));
   }
-  result.group_of.assign(active.size(), -1);
-  std::vector<int> root(joint.bodies.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int b) {
-    while (root[at(b)] != b) b = root[at(b)] = root[at(root[at(b)])];
-    return b;
-  };
+  DisjointSets joined(joint.bodies.size());
   std::vector<char> movable(joint.bodies.size(), 0);
   for (int dof : free) movable[at(dof / 6)] = 1;
   for (std::size_t n = 0; n < active.size(); ++n) {
     const int a = result.sides_a[n], b = result.sides_b[n];
-    if (active[n] && movable[at(a)] && movable[at(b)]) root[at(find(a))] = find(b);
+    if (active[n] && movable[at(a)] && movable[at(b)]) joined.join(a, b);
   }
   std::map<int, int> number;  // root body -> group
   for (std::size_t n = 0; n < active.size(); ++n) {
     if (!active[n]) continue;
     const int body = movable[at(result.sides_a[n])] ? result.sides_a[n] : result.sides_b[n];
     if (!movable[at(body)]) continue;
-    const auto [place, is_new] = number.try_emplace(find(body), static_cast<int>(result.groups.size()));
+    const auto [place, is_new] = number.try_emplace(joined.root(body), static_cast<int>(result.groups.size()));
     if (is_new) result.groups.emplace_back();
     result.groups[at(place->second)].links.push_back(static_cast<int>(n));
-    result.group_of[n] = place->second;
   }
   for (std::size_t i = 0; i < free.size(); ++i) {
-    const auto found = number.find(find(free[i] / 6));
+    const auto found = number.find(joined.root(free[i] / 6));
     if (found != number.end()) result.groups[at(found->second)].free.push_back(static_cast<int>(i));
   }
   if (!result.groups.empty()) {
@@ -394,10 +385,8 @@ Tangent tangent_of(const ConnectorGroups& all, const std::vector<ConnectorRow>& 
           entries.emplace_back(g.free[static_cast<std::size_t>(i)], static_cast<int>(column), Q(i, k));
     if (rank == 0 || m == 0) continue;
     // J^T x = -r in the least squares sense; of all such x the smallest: R x = -Q1^T r with R of full row rank
-    VectorXd r(n);
-    for (Eigen::Index i = 0; i < n; ++i) r[i] = unbalanced[g.free[static_cast<std::size_t>(i)]];
     const MatrixXd R = qr.R.topRows(rank);
-    const VectorXd rhs = -(Q.leftCols(rank).transpose() * r);
+    const VectorXd r = unbalanced(g.free), rhs = -(Q.leftCols(rank).transpose() * r);
     const VectorXd x =
         rank == m ? solve_upper(R, rhs) : VectorXd(R.transpose() * solve_regular(R * R.transpose(), rhs));
     for (Eigen::Index i = 0; i < m; ++i) {
@@ -464,8 +453,7 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
         gap[static_cast<Eigen::Index>(k)] = row.gap * (row.dof < 3 ? 1.0 : all.length);
       }
       // R11^T y = P^T gap over the independent rows; the least motion is -Q1 y
-      VectorXd ordered(rank);
-      for (Eigen::Index k = 0; k < rank; ++k) ordered[k] = gap[qr.order[k]];
+      const VectorXd ordered = gap(qr.order.head(rank));
       const VectorXd u = -(qr.Q.leftCols(rank) * solve_upper_transposed(qr.R.topLeftCorner(rank, rank), ordered));
       for (Eigen::Index k = 0; k < n; ++k) {
         const int position = g.free[static_cast<std::size_t>(k)];

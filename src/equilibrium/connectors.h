@@ -18,10 +18,10 @@ Vector6 connector_motion(const Joint& joint, const Connector& connector, const s
 /// One condition that a link puts on its bodies: `gap` = 0 (J2).
 struct ConnectorRow {
   int link = -1;
-  int dof = 0;                          ///< which of the six motions; an angle if >= 3. Of a held point: along x, y, z
-  double gap = 0.0;                     ///< length, or angle [rad] to first order
-  Eigen::Matrix<double, 12, 1> wrench;  ///< of a unit multiplier on A and B, = the gap's derivative where it is 0 (J3)
-  Vector3d arm = Vector3d::Zero();      ///< of a held point, from the body's centre
+  int dof = 0;                      ///< which of the six motions; an angle if >= 3. Of a held point: along x, y, z
+  double gap = 0.0;                 ///< length, or angle [rad] to first order
+  Vector12 wrench;                  ///< of a unit multiplier on A and B, = the gap's derivative where it is 0 (J3)
+  Vector3d arm = Vector3d::Zero();  ///< of a held point, from the body's centre
 };
 
 /// The conditions of all active links at these poses, link by link.
@@ -60,7 +60,6 @@ struct ConnectorGroups {
   Eigen::VectorXd scale;              ///< per free dof: 1, or length for rotations
   double length = 1.0;                ///< rotations' scale
   double size = 1.0;                  ///< of the joint: gaps below 1e-11 of it are none
-  std::vector<int> group_of;          ///< per link: group, -1: none (not active, or neither body can move)
   std::vector<int> sides_a, sides_b;  ///< per link: its bodies; of held points: twice the same
 };
 ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const std::vector<int>& free, double length,

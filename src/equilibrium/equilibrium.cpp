@@ -208,17 +208,6 @@ bool is_unstable(const Problem& problem, const Solution& s) {
 
 }  // namespace
 
-BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
-                     const std::vector<Pose>& poses) {
-  std::vector<PressMemory> memory;
-  Problem problem = make_problem(joint, beds, load_case, memory);
-  Evaluation e = evaluate(problem, poses);
-  BodyForces forces(joint.bodies.size());
-  forces.value = e.residual();
-  forces.derivative = std::move(e.derivative);
-  return forces;
-}
-
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                      const std::vector<Pose>& poses, std::vector<PressMemory>* memory, const StopFlag* stop) {
   std::vector<PressMemory> own;

@@ -39,11 +39,6 @@ struct Equilibrium {
   bool unstable = false;  ///< solved, and the bodies leave this balance when touched (E6b)
 };
 
-/// All that acts on the bodies at given poses but the connectors' reactions: 6 numbers per body (E1), and the
-/// derivative by small motions of the bodies. For tests and tools.
-BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
-                     const std::vector<Pose>& poses);
-
 /// Solves one load case from `start` (docs/theory.md, section 4). `step_start`: poses when the step began (for relative
 /// motions). `memory`: per contact, where searches for pressures start and where the next may start; nullptr: from
 /// nothing. The same arguments give the same bits, whoever solved what before or does at the same time. Never throws

@@ -69,8 +69,8 @@ FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const Vector
 
 NoiseBound::NoiseBound(const Problem& problem, const Evaluation& e) {
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
-    products.push_back(Eigen::Matrix<double, 12, 12>::Zero());
-    crossed.push_back(Eigen::Matrix<double, 12, 12>::Zero());
+    products.push_back(Matrix12::Zero());
+    crossed.push_back(Matrix12::Zero());
     const SpringStates& s = e.springs[c];
     const SpringBed& bed = problem.beds.beds[c];
     if (s.size() == 0) continue;
@@ -80,12 +80,8 @@ NoiseBound::NoiseBound(const Problem& problem, const Evaluation& e) {
       if (s.pressure[k] <= 0 || s.area[k] <= 0) continue;
       const SpringNormals normals = normals_of(bed, s, k, source, target);
       const double stiffness = s.per_overlap[k] * s.area[k];
-      const auto line = [&](const Vector3d& n) {
-        Eigen::Matrix<double, 12, 1> h;
-        h << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
-        return h;
-      };
-      const Eigen::Matrix<double, 12, 1> a = line(normals.rough_force), b = line(normals.rough_rate);
+      const auto line = [&](const Vector3d& n) { return unit_wrench(s.foot[k], n, source, target); };
+      const Vector12 a = line(normals.rough_force), b = line(normals.rough_rate);
       products.back() += 0.5 * stiffness * (a * a.transpose() + b * b.transpose());
       crossed.back() +=
           stiffness * (a * line(normals.smooth_rate).transpose() + line(normals.smooth_force) * b.transpose());
@@ -98,7 +94,7 @@ double NoiseBound::operator()(const Problem& problem, const Evaluation& e, const
   double bound = 0.0;
   for (std::size_t c = 0; c < products.size(); ++c) {
     const SpringBed& bed = problem.beds.beds[c];
-    Eigen::Matrix<double, 12, 1> u;
+    Vector12 u;
     u << all.segment<6>(6 * bed.target_body), all.segment<6>(6 * bed.source_body);
     bound += u.dot(products[c] * u) + std::abs(u.dot(crossed[c] * u));
   }

@@ -19,7 +19,7 @@ FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const Eigen:
 /// FacetNoise::stiffness from above for any direction, by one pass over the springs: |ab| <= (a^2 + b^2)/2 makes the
 /// products of (E6) a quadratic form.
 struct NoiseBound {
-  std::vector<Eigen::Matrix<double, 12, 12>> products, crossed;  ///< per contact: target, source
+  std::vector<Matrix12> products, crossed;  ///< per contact: target, source
 
   NoiseBound(const Problem& problem, const Evaluation& e);
   double operator()(const Problem& problem, const Evaluation& e, const Eigen::VectorXd& direction) const;

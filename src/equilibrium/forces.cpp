@@ -33,10 +33,7 @@ Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase&
 }
 
 VectorXd free_part(const Problem& problem, const VectorXd& all) {
-  VectorXd r(static_cast<Eigen::Index>(problem.free.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
-  return r;
+  return all(problem.free).cwiseQuotient(problem.scale);
 }
 
 namespace {

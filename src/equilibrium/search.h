@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/stop.h"
 
@@ -17,9 +18,13 @@ enum class Outcome {
   BeyondStrainLimit,    ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
   NoContact             ///< nothing loads a free body and nothing presses it: any place is a balance
 };
-const char* name(Outcome outcome);
-/// True for Prescribed, Balanced and BalancedToOneSpring.
-bool solved(Outcome outcome);
+inline const char* name(Outcome outcome) {
+  return word_of(outcome, {"Prescribed", "Balanced", "BalancedToOneSpring", "SurfacesApart", "NoEquilibrium",
+                           "NotConverged", "BeyondStrainLimit", "NoContact"});
+}
+inline bool solved(Outcome outcome) {
+  return outcome == Outcome::Prescribed || outcome == Outcome::Balanced || outcome == Outcome::BalancedToOneSpring;
+}
 
 /// How far a search has come, for whoever watches; told before each pose that is tried.
 struct SearchStatus {

@@ -31,12 +31,11 @@ MatrixXd unit_pushes(const Problem& problem, const Evaluation& e, int facing, In
     const SpringBed& bed = problem.beds.beds[c];
     for (int i = 0; i < s.size(); ++i) {
       if (!faces_target(s, at(i)) || seen++ % stride != 0) continue;
-      const Vector3d n = s.direction[at(i)];
+      const Vector12 w =
+          unit_wrench(s.foot[at(i)], s.direction[at(i)], e.poses[at(bed.source_body)], e.poses[at(bed.target_body)]);
       VectorXd all = VectorXd::Zero(6 * static_cast<Index>(e.poses.size()));
-      all.segment<3>(6 * bed.target_body) = n;
-      all.segment<3>(6 * bed.target_body + 3) = (s.foot[at(i)] - e.poses[at(bed.target_body)].center).cross(n);
-      all.segment<3>(6 * bed.source_body) = -n;
-      all.segment<3>(6 * bed.source_body + 3) = -(s.foot[at(i)] - e.poses[at(bed.source_body)].center).cross(n);
+      all.segment<6>(6 * bed.target_body) = w.head<6>();
+      all.segment<6>(6 * bed.source_body) = w.tail<6>();
       push.col(columns++) = on_unknowns(problem, e, all);
     }
   }
@@ -48,9 +47,7 @@ MatrixXd unit_pushes(const Problem& problem, const Evaluation& e, int facing, In
 /// that come to nothing are active no more.
 void solve_active_columns(const MatrixXd& push, const VectorXd& load, std::vector<Index>& active, VectorXd& force) {
   for (;;) {
-    MatrixXd A(load.size(), static_cast<Index>(active.size()));
-    for (std::size_t k = 0; k < active.size(); ++k) A.col(static_cast<Index>(k)) = push.col(active[k]);
-    const VectorXd x = solve_least_norm(A, -load);
+    const VectorXd x = solve_least_norm(push(Eigen::all, active), -load);
     double part = 1.0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       const double old = force[active[k]], now = x[static_cast<Index>(k)];

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "src/base/decompositions.h"
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 
 namespace dea {
@@ -47,19 +47,14 @@ double largest_singular_value(const Sparse& K) {
 
 /// Unknowns in groups that no entry couples.
 std::vector<std::vector<int>> coupled_groups(const Sparse& K) {
-  std::vector<int> root(at(K.rows()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[at(i)] != i) i = root[at(i)] = root[at(root[at(i)])];
-    return i;
-  };
+  DisjointSets coupled(at(K.rows()));
   for (int k = 0; k < K.outerSize(); ++k)
     for (Sparse::InnerIterator it(K, k); it; ++it)
-      if (it.value() != 0.0) root[at(find(static_cast<int>(it.row())))] = find(static_cast<int>(it.col()));
-  std::vector<int> number(root.size(), -1);
+      if (it.value() != 0.0) coupled.join(static_cast<int>(it.row()), static_cast<int>(it.col()));
+  std::vector<int> number(at(K.rows()), -1);
   std::vector<std::vector<int>> groups;
-  for (int i = 0; i < static_cast<int>(root.size()); ++i) {
-    int& n = number[at(find(i))];
+  for (int i = 0; i < static_cast<int>(number.size()); ++i) {
+    int& n = number[at(coupled.root(i))];
     if (n < 0) {
       n = static_cast<int>(groups.size());
       groups.emplace_back();
@@ -92,7 +87,6 @@ SingularParts tail_of(const SingularParts& all, const Small& small) {
   tail.U = all.U.rightCols(count).rowwise().reverse();
   tail.V = all.V.rightCols(count).rowwise().reverse();
   tail.largest = all.largest;
-  tail.all = false;
   return tail;
 }
 
@@ -138,7 +132,6 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
       result.U = found.U.leftCols(accepted);
       // where sigma is rounding K v has no direction: take u from the transposed matrix instead
       if (accepted > 0) result.U = orthonormal_columns(lu.solve_transposed(result.V));
-      result.all = false;
       return result;
     }
   }
@@ -161,7 +154,6 @@ SingularParts all_singular_parts(const MatrixXd& K) {
 SingularParts small_singular_parts(const Sparse& K, const std::function<bool(double sigma, const VectorXd& v)>& small,
                                    int dense_limit) {
   SingularParts result;
-  result.all = false;
   result.largest = largest_singular_value(K);
   std::vector<double> sigma;
   std::vector<VectorXd> u, v;
@@ -169,7 +161,7 @@ SingularParts small_singular_parts(const Sparse& K, const std::function<bool(dou
   for (const std::vector<int>& group : coupled_groups(K)) {
     const auto whole = [&](const VectorXd& part) {
       VectorXd all = VectorXd::Zero(K.rows());
-      for (std::size_t i = 0; i < group.size(); ++i) all[group[i]] = part[static_cast<Index>(i)];
+      all(group) = part;
       return all;
     };
     const auto small_here = [&](double s, const VectorXd& part) { return small(s, whole(part)); };

@@ -11,7 +11,6 @@ struct SingularParts {
   Eigen::VectorXd sigma;  ///< falling if all, rising if the smallest
   Eigen::MatrixXd U, V;
   double largest = 0.0;  ///< largest singular value of the matrix (an estimate from below where not all are there)
-  bool all = true;       ///< every one; false: only the smallest
 };
 
 /// All of them, by a dense decomposition: for up to a few hundred unknowns.

@@ -14,10 +14,8 @@ VectorXd as_free(const Problem& problem, const Evaluation& e, const VectorXd& mo
 }
 
 VectorXd on_all_dofs(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
-  const VectorXd free = as_free(problem, e, motion);
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(problem.joint.bodies.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    all[problem.free[i]] = free[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  all(problem.free) = as_free(problem, e, motion).cwiseQuotient(problem.scale);
   return all;
 }
 
@@ -100,9 +98,7 @@ bool moves_together(const Problem& problem, const Evaluation& e, const VectorXd&
 }
 
 VectorXd motion_at_new_pose(const Problem& problem, const Evaluation& e, const VectorXd& all) {
-  VectorXd free(static_cast<Eigen::Index>(problem.free.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    free[static_cast<Eigen::Index>(i)] = all[problem.free[i]] * problem.scale[static_cast<Eigen::Index>(i)];
+  const VectorXd free = all(problem.free).cwiseProduct(problem.scale);
   return problem.joined() ? VectorXd(e.tangent.basis.transpose() * free) : free;
 }
 

@@ -7,12 +7,12 @@
 
 namespace dea {
 
-/// A convex part of a triangle of a surface, in its barycentric coordinates.
+/// A convex part of a triangle of a surface, in its barycentric coordinates; the whole of it if nothing else is said.
 struct SurfacePart {
   int triangle = -1;
   double area = 0.0;  ///< of what stands on it [mm^2], in the foot's plane
-  int corners = 0;    ///< 3 to 6
-  std::array<Barycentric, 7> corner;
+  int corners = 3;    ///< to 6
+  std::array<Barycentric, 7> corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };
 
 /// The foot (a triangle of this area, with its corners in the surface's frame) seen along n, its unit normal, cut by

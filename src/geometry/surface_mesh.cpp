@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -13,35 +14,6 @@
 namespace dea {
 
 namespace {
-
-void find_neighbours(SurfaceMesh& mesh) {
-  struct HalfEdge {
-    int low, high, triangle, edge;
-  };
-  std::vector<HalfEdge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
-  for (int t = 0; t < mesh.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
-      const int a = tri[static_cast<std::size_t>(k)], b = tri[static_cast<std::size_t>((k + 1) % 3)];
-      edges.push_back({std::min(a, b), std::max(a, b), t, k});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
-  mesh.neighbours.assign(mesh.triangles.size(), {-1, -1, -1});
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    // more than two triangles at an edge: the first two are neighbours, the others end there
-    if (edges[i].low == edges[i + 1].low && edges[i].high == edges[i + 1].high) {
-      mesh.neighbours[static_cast<std::size_t>(edges[i].triangle)][static_cast<std::size_t>(edges[i].edge)] =
-          edges[i + 1].triangle;
-      mesh.neighbours[static_cast<std::size_t>(edges[i + 1].triangle)][static_cast<std::size_t>(edges[i + 1].edge)] =
-          edges[i].triangle;
-      ++i;
-    }
-  }
-}
 
 /// Axis of the plane of symmetry behind which the surface goes on at an edge of the rim, as the triangle's mirror
 /// image; -1: none.
@@ -135,8 +107,8 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
   for (const auto& corners : around) {
     group.assign(corners.size(), -1);
     const auto place = [&](int t) {
-      return static_cast<std::size_t>(
-          std::find_if(corners.begin(), corners.end(), [&](const auto& c) { return c[0] == t; }) - corners.begin());
+      return at(std::find_if(corners.begin(), corners.end(), [&](const auto& c) { return c[0] == t; }) -
+                corners.begin());
     };
     for (std::size_t first = 0; first < corners.size(); ++first) {
       if (group[first] >= 0) continue;
@@ -212,16 +184,16 @@ void finish_surface_mesh(SurfaceMesh& mesh) {
   mesh.vertex_normals.assign(mesh.vertices.size(), Vector3d::Zero());
   mesh.vertex_areas.assign(mesh.vertices.size(), 0.0);
   for (int t = 0; t < mesh.size(); ++t) {
-    const auto i = static_cast<std::size_t>(t);
+    const auto i = at(t);
     const Vector3d twice = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
     mesh.areas[i] = 0.5 * twice.norm();
     mesh.normals[i] = twice.normalized();
     for (int v : mesh.triangles[i]) {
-      mesh.vertex_normals[static_cast<std::size_t>(v)] += 0.5 * twice;
-      mesh.vertex_areas[static_cast<std::size_t>(v)] += mesh.areas[i] / 3.0;
+      mesh.vertex_normals[at(v)] += 0.5 * twice;
+      mesh.vertex_areas[at(v)] += mesh.areas[i] / 3.0;
     }
   }
-  find_neighbours(mesh);
+  mesh.neighbours = edge_neighbours(mesh.triangles, true);
   for (int t = 0; t < mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int axis = image_axis(mesh, t, k);
@@ -248,19 +220,18 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<i
     const auto found = vertex_of.try_emplace(node, static_cast<int>(mesh.vertices.size()));
     if (found.second) {
       mesh.model_nodes.push_back(node);
-      mesh.vertices.push_back(positions[static_cast<std::size_t>(node)]);
-      if (!node_planes.empty()) mesh.planes.push_back(node_planes[static_cast<std::size_t>(node)]);
+      mesh.vertices.push_back(positions[at(node)]);
+      if (!node_planes.empty()) mesh.planes.push_back(node_planes[at(node)]);
     }
     return found.first->second;
   };
   for (int f = 0; f < mesh.facets; ++f) {
-    const int first = begin[static_cast<std::size_t>(f)];
-    const int count = begin[static_cast<std::size_t>(f) + 1] - first;
+    const int first = begin[at(f)];
+    const int count = begin[at(f) + 1] - first;
     if (count == 0) continue;
     int kept = 0;
     for (const auto& t : split_facet(nodes.data() + first, count, positions)) {
-      const Vector3d &a = positions[static_cast<std::size_t>(t[0])], &b = positions[static_cast<std::size_t>(t[1])],
-                     &c = positions[static_cast<std::size_t>(t[2])];
+      const Vector3d &a = positions[at(t[0])], &b = positions[at(t[1])], &c = positions[at(t[2])];
       const double longest2 = std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()});
       if ((b - a).cross(c - a).norm() <= 1e-10 * longest2) continue;  // a collapsed quad keeps its other triangle
       mesh.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
@@ -274,7 +245,7 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<i
 }
 
 double bulge_height(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
-  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  const auto& b = mesh.bulge[at(t)];
   return w[0] * w[1] * b[0] + w[1] * w[2] * b[1] + w[2] * w[0] * b[2];
 }
 
@@ -304,7 +275,7 @@ Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double
 }
 
 Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
-  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  const auto& b = mesh.bulge[at(t)];
   // dH/dw_k at the corners' unit weights: the gradient of a function of the weights is linear_gradient of its partials
   return linear_gradient(mesh, t, {w[1] * b[0] + w[2] * b[2], w[0] * b[0] + w[2] * b[1], w[1] * b[1] + w[0] * b[2]});
 }
@@ -359,15 +330,14 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
     return static_cast<int>(out.vertices.size()) - 1;
   };
   const auto parts = part_corners(n);
-  std::vector<int> id(static_cast<std::size_t>((n + 1) * (n + 1)));
+  std::vector<int> id(at((n + 1) * (n + 1)));
   for (int t = 0; t < mesh.size(); ++t) {
-    const auto& corner = mesh.triangles[static_cast<std::size_t>(t)];
+    const auto& corner = mesh.triangles[at(t)];
     const auto on_edge = [&](std::size_t from, std::size_t to, int step) {  // `step` of n along the edge
       const int a = corner[from], b = corner[to], low = std::min(a, b), high = std::max(a, b);
       const auto found = first_on_edge.try_emplace({low, high}, static_cast<int>(out.vertices.size()));
       if (found.second) {
-        const Vector3d x = mesh.vertices[static_cast<std::size_t>(low)],
-                       along = mesh.vertices[static_cast<std::size_t>(high)] - x;
+        const Vector3d x = mesh.vertices[at(low)], along = mesh.vertices[at(high)] - x;
         const unsigned char planes =
             mesh.planes.empty() ? 0 : static_cast<unsigned char>(mesh.planes[at(a)] & mesh.planes[at(b)]);
         for (int k = 1; k < n; ++k) add(x + static_cast<double>(k) / n * along, planes);
@@ -398,7 +368,7 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
       std::array<int, 3> triangle;
       for (std::size_t c = 0; c < 3; ++c) triangle[c] = id[at(part[c][0] * (n + 1) + part[c][1])];
       out.triangles.push_back(triangle);
-      out.facet.push_back(mesh.facet[static_cast<std::size_t>(t)]);
+      out.facet.push_back(mesh.facet[at(t)]);
     }
   }
   finish_surface_mesh(out);
@@ -413,24 +383,70 @@ double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d&
   return (x - (a + s * ab)).norm();
 }
 
-std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
-  std::vector<std::array<Vector3d, 2>> rim;
-  for (int t = 0; t < mesh.size(); ++t) {
+std::vector<std::array<int, 3>> edge_neighbours(const std::vector<std::array<int, 3>>& triangles, bool in_pairs,
+                                                std::size_t* crowded) {
+  struct Side {
+    std::uint64_t edge;
+    int triangle, k;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      if (mesh.neighbours[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)] < 0) {
-        rim.push_back({mesh.corner(t, k), mesh.corner(t, (k + 1) % 3)});
-      }
+      const auto a = static_cast<std::uint64_t>(triangles[t][at(k)]),
+                 b = static_cast<std::uint64_t>(triangles[t][at((k + 1) % 3)]);
+      sides.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<int>(t), k});
+    }
+  std::sort(sides.begin(), sides.end(),
+            [](const Side& a, const Side& b) { return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle; });
+  std::vector<std::array<int, 3>> neighbours(triangles.size(), {-1, -1, -1});
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
+    if (end - i > 2 && crowded != nullptr) ++*crowded;
+    if (end - i > 2 && !in_pairs) continue;
+    for (; i + 1 < end; i += 2) {
+      neighbours[at(sides[i].triangle)][at(sides[i].k)] = sides[i + 1].triangle;
+      neighbours[at(sides[i + 1].triangle)][at(sides[i + 1].k)] = sides[i].triangle;
     }
   }
+  return neighbours;
+}
+
+std::vector<std::vector<int>> vertex_neighbours(std::size_t vertices,
+                                                const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::vector<int>> neighbours(vertices);
+  for (const auto& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      neighbours[at(t[k])].push_back(t[(k + 1) % 3]);
+      neighbours[at(t[(k + 1) % 3])].push_back(t[k]);
+    }
+  for (std::vector<int>& n : neighbours) {
+    std::sort(n.begin(), n.end());
+    n.erase(std::unique(n.begin(), n.end()), n.end());
+  }
+  return neighbours;
+}
+
+std::vector<std::array<int, 2>> rim_edges(const std::vector<std::array<int, 3>>& triangles,
+                                          const std::vector<std::array<int, 3>>& neighbours) {
+  std::vector<std::array<int, 2>> rim;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (neighbours[t][k] < 0) rim.push_back({triangles[t][k], triangles[t][(k + 1) % 3]});
   return rim;
 }
 
-std::vector<char> rim_vertices(const SurfaceMesh& mesh) {
-  std::vector<char> on_rim(mesh.vertices.size(), 0);
-  for (int t = 0; t < mesh.size(); ++t)
-    for (int k = 0; k < 3; ++k)
-      if (mesh.neighbours[at(t)][at(k)] < 0)
-        for (const int end : {k, (k + 1) % 3}) on_rim[at(mesh.triangles[at(t)][at(end)])] = 1;
+std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
+  std::vector<std::array<Vector3d, 2>> rim;
+  for (const auto& edge : rim_edges(mesh.triangles, mesh.neighbours))
+    rim.push_back({mesh.vertices[at(edge[0])], mesh.vertices[at(edge[1])]});
+  return rim;
+}
+
+std::vector<char> rim_vertices(std::size_t vertices, const std::vector<std::array<int, 3>>& triangles,
+                               const std::vector<std::array<int, 3>>& neighbours) {
+  std::vector<char> on_rim(vertices, 0);
+  for (const auto& edge : rim_edges(triangles, neighbours)) on_rim[at(edge[0])] = on_rim[at(edge[1])] = 1;
   return on_rim;
 }
 
@@ -449,8 +465,7 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
                                std::lround(std::floor(x.z() / cell))};
   };
   std::map<std::array<long, 3>, std::vector<int>> grid;
-  for (int i = 0; i < static_cast<int>(rim.size()); ++i)
-    grid[key(0.5 * (rim[static_cast<std::size_t>(i)][0] + rim[static_cast<std::size_t>(i)][1]))].push_back(i);
+  for (int i = 0; i < static_cast<int>(rim.size()); ++i) grid[key(0.5 * (rim[at(i)][0] + rim[at(i)][1]))].push_back(i);
   std::vector<double> vertex_distance(mesh.vertices.size(), cell - 0.5 * longest);  // no rim edge within this distance
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const auto home = key(mesh.vertices[v]);
@@ -461,8 +476,7 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
           if (found == grid.end()) continue;
           for (int i : found->second) {
             vertex_distance[v] =
-                std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[static_cast<std::size_t>(i)][0],
-                                                                 rim[static_cast<std::size_t>(i)][1]));
+                std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[at(i)][0], rim[at(i)][1]));
           }
         }
   }
@@ -472,11 +486,9 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
     for (int k = 0; k < 3; ++k) {
       const double size = std::max((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(),
                                    (mesh.corner(t, k) - mesh.corner(t, (k + 2) % 3)).norm());
-      bound = std::max(bound, vertex_distance[static_cast<std::size_t>(
-                                  mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] -
-                                  size);
+      bound = std::max(bound, vertex_distance[at(mesh.triangles[at(t)][at(k)])] - size);
     }
-    distance[static_cast<std::size_t>(t)] = bound;
+    distance[at(t)] = bound;
   }
   return distance;
 }
@@ -514,10 +526,8 @@ Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere) {
   if (!(sphere.radius <= kFlatRadius * surface_extent(surface).radius_of_gyration)) return Roundness::Flat;
   double along = 0.0, area = 0.0;
   for (int t = 0; t < surface.size(); ++t) {
-    const double a = surface.areas[static_cast<std::size_t>(t)];
-    along +=
-        a *
-        std::abs(surface.normals[static_cast<std::size_t>(t)].dot((surface.centroid(t) - sphere.center).normalized()));
+    const double a = surface.areas[at(t)];
+    along += a * std::abs(surface.normals[at(t)].dot((surface.centroid(t) - sphere.center).normalized()));
     area += a;
   }
   return along >= kLeastAlong * area ? Roundness::Round : Roundness::Flat;
@@ -526,14 +536,14 @@ Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere) {
 SurfaceExtent surface_extent(const SurfaceMesh& surface) {
   SurfaceExtent extent;
   for (int t = 0; t < surface.size(); ++t) {
-    extent.centroid += surface.areas[static_cast<std::size_t>(t)] * surface.centroid(t);
-    extent.area += surface.areas[static_cast<std::size_t>(t)];
+    extent.centroid += surface.areas[at(t)] * surface.centroid(t);
+    extent.area += surface.areas[at(t)];
   }
   if (extent.area <= 0) return extent;
   extent.centroid /= extent.area;
   double sum = 0.0;
   for (int t = 0; t < surface.size(); ++t)
-    sum += surface.areas[static_cast<std::size_t>(t)] * (surface.centroid(t) - extent.centroid).squaredNorm();
+    sum += surface.areas[at(t)] * (surface.centroid(t) - extent.centroid).squaredNorm();
   extent.radius_of_gyration = std::sqrt(sum / extent.area);
   return extent;
 }

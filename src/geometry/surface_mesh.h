@@ -77,10 +77,23 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n);
 
 double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b);
 
-/// The ends of the edges that only one triangle has.
+/// Per triangle and edge (k, k + 1): the triangle across; -1: rim. At an edge of more than two triangles: none, or, if
+/// `in_pairs`, the first two are neighbours, then the next two. `crowded`: counts such edges.
+std::vector<std::array<int, 3>> edge_neighbours(const std::vector<std::array<int, 3>>& triangles, bool in_pairs = false,
+                                                std::size_t* crowded = nullptr);
+/// Per vertex: those at the other ends of its edges, each once, ascending.
+std::vector<std::vector<int>> vertex_neighbours(std::size_t vertices, const std::vector<std::array<int, 3>>& triangles);
+/// The vertices of the edges with no neighbour, in their triangles' direction.
+std::vector<std::array<int, 2>> rim_edges(const std::vector<std::array<int, 3>>& triangles,
+                                          const std::vector<std::array<int, 3>>& neighbours);
+/// The ends of these edges.
 std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh);
 /// Per vertex: is it such an end?
-std::vector<char> rim_vertices(const SurfaceMesh& mesh);
+std::vector<char> rim_vertices(std::size_t vertices, const std::vector<std::array<int, 3>>& triangles,
+                               const std::vector<std::array<int, 3>>& neighbours);
+inline std::vector<char> rim_vertices(const SurfaceMesh& mesh) {
+  return rim_vertices(mesh.vertices.size(), mesh.triangles, mesh.neighbours);
+}
 
 /// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
 /// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.

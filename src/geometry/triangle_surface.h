@@ -10,6 +10,13 @@ namespace dea {
 struct TriangleSurface {
   std::vector<Eigen::Vector3d> points;        ///< length of the file
   std::vector<std::array<int, 3>> triangles;  ///< indices of points
+
+  /// Another surface beside this one.
+  void append(const TriangleSurface& more) {
+    const int first = static_cast<int>(points.size());
+    points.insert(points.end(), more.points.begin(), more.points.end());
+    for (const auto& t : more.triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
 };
 
 }  // namespace dea

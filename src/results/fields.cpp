@@ -364,8 +364,8 @@ SideValues target_by_law(const ContactAt& c, const JointSpace& space) {
     const double t_t = interpolate(target.articular, target.thickness,
                                    {static_cast<int>(triangle), space.parts[i % space.parts.size()]});
     if (space.gaps[i] <= -(t_s + t_t)) continue;
-    const SpringResponse r = spring_response(c.bed.law, source.elasticity, target.elasticity, t_s, t_t, -space.gaps[i],
-                                             c.bed.pair.interface_compliance);
+    const SpringResponse r = spring_response(c.bed.pair.law, source.elasticity, target.elasticity, t_s, t_t,
+                                             -space.gaps[i], c.bed.pair.interface_compliance);
     v.pressure[triangle] += share * r.pressure;
     v.overlap[triangle] -= share * space.gaps[i];
     v.strain[triangle] += share * r.strain_target;
@@ -408,7 +408,7 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
       static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
   const JointSpace space = joint_space(c, c.target(), divide);
   SideValues on_triangles = no_values(target.articular);
-  if (c.bed.law == Law::Layer)
+  if (c.bed.pair.law == Law::Layer)
     on_triangles = target_by_parts(c);
   else if (!articular)
     on_triangles = target_by_interpolation(c, space, shown);

@@ -5,7 +5,6 @@
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
-#include "src/springs/coverage.h"
 
 namespace dea {
 
@@ -31,6 +30,110 @@ void set_hit(SpringStates& s, int i, const LineHit& hit) {
   s.end_weights[at(i)] = hit.point.weights;
   s.gap[at(i)] = hit.point.triangle >= 0 ? hit.distance : kInfinity;  // the ray's length, made a gap at the end
   s.coverage[at(i)] = hit.point.triangle >= 0 ? 1.0 : 0.0;
+}
+
+// ---- feet over the rim
+// -----------------------------------------------------------------------------------------------
+
+/// The part of a foot triangle that lies over the target, where its rim cuts through.
+struct Coverage {
+  double fraction = 0.0;  ///< of the foot triangle's area
+  double area = 0.0;
+  Vector3d centroid = Vector3d::Zero();                   ///< of the covered part, in the foot triangle's plane
+  Vector3d e1 = Vector3d::Zero(), e2 = Vector3d::Zero();  ///< axes of that plane
+  /// d(area), d(centroid) along e1, e2: the rim sweeps over the foot triangle. Sums of v . (delta_target -
+  /// delta_source) over points r, stored like forces v at r: their sum and their moment about a point.
+  Vector6 area_rate = Vector6::Zero(), centroid_rate[2] = {Vector6::Zero(), Vector6::Zero()};
+};
+
+using Point2 = Eigen::Vector2d;
+
+double cross2(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Corner of a clipped triangle; `rim`: the edge that starts here is part of the target's rim.
+struct ClipPoint {
+  Point2 x;
+  bool rim;
+};
+
+/// Clips a convex polygon (counter-clockwise) by the half plane left of a -> b, in place (Sutherland-Hodgman).
+void clip(std::vector<ClipPoint>& polygon, const Point2& a, const Point2& b, std::vector<ClipPoint>& scratch) {
+  scratch.clear();
+  const Point2 edge = b - a;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const ClipPoint &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double dp = cross2(edge, p.x - a), dq = cross2(edge, q.x - a);
+    if (dp >= 0) scratch.push_back(p);
+    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0))
+      scratch.push_back({p.x + dp / (dp - dq) * (q.x - p.x), dp < 0 && p.rim});
+  }
+  polygon.swap(scratch);
+}
+
+/// The part of the foot triangle onto which the target triangles `candidates` project along n: exact where the target
+/// does not fold over itself there. Frame: any; moments about `reference`.
+Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot, const Vector3d& n,
+                  const std::vector<int>& candidates, const Vector3d& reference) {
+  Coverage result;
+  result.e1 = (foot[1] - foot[0]).normalized();
+  result.e2 = n.cross(result.e1);
+  const auto project = [&](const Vector3d& x) {
+    return Point2((x - foot[0]).dot(result.e1), (x - foot[0]).dot(result.e2));
+  };
+  const Point2 corner[3] = {project(foot[0]), project(foot[1]), project(foot[2])};
+  const double foot_area = 0.5 * cross2(corner[1] - corner[0], corner[2] - corner[0]);
+  std::vector<ClipPoint> polygon, scratch;
+  Point2 moment = Point2::Zero();
+  for (const int t : candidates) {
+    const Vector3d& m = target.normals[at(t)];
+    if (!(m.dot(n) < 0)) continue;
+    // seen along n the target's triangles run clockwise: take them the other way round, edges (0,2), (2,1), (1,0)
+    const auto& next = target.neighbours[at(t)];
+    polygon = {{project(target.corner(t, 0)), next[2] < 0},
+               {project(target.corner(t, 2)), next[1] < 0},
+               {project(target.corner(t, 1)), next[0] < 0}};
+    for (int k = 0; k < 3 && !polygon.empty(); ++k) clip(polygon, corner[k], corner[(k + 1) % 3], scratch);
+    if (polygon.size() < 3) continue;
+    for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
+      const double a = 0.5 * cross2(polygon[i].x - polygon[0].x, polygon[i + 1].x - polygon[0].x);
+      result.area += a;
+      moment += a * (polygon[0].x + polygon[i].x + polygon[i + 1].x) / 3.0;
+    }
+    // The rim moves against the foot triangle: d(integral of f) = sum over rim pieces of f v_normal ds, two Gauss
+    // points each.
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      if (!polygon[i].rim) continue;
+      const Point2 p = polygon[i].x, along = polygon[(i + 1) % polygon.size()].x - p;
+      const Vector3d outward_times_length = along.y() * result.e1 - along.x() * result.e2;
+      for (double s : {0.5 - 0.28867513459481287, 0.5 + 0.28867513459481287}) {
+        const Point2 x = p + s * along;
+        const Vector3d in_plane = foot[0] + x.x() * result.e1 + x.y() * result.e2;
+        const Vector3d r = in_plane + n * ((target.corner(t, 0) - in_plane).dot(m) / n.dot(m));  // on the target
+        const Vector3d v = 0.5 * outward_times_length;
+        Vector6 rate;
+        rate << v, (r - reference).cross(v);
+        result.area_rate += rate;
+        for (int k = 0; k < 2; ++k) result.centroid_rate[k] += x[k] * rate;
+      }
+    }
+  }
+  if (result.area <= 0 || foot_area <= 0) return {};
+  moment /= result.area;
+  result.centroid = foot[0] + moment.x() * result.e1 + moment.y() * result.e2;
+  // d(centroid) = (d(area * centroid) - centroid d(area)) / area
+  for (int k = 0; k < 2; ++k)
+    result.centroid_rate[k] = (result.centroid_rate[k] - moment[k] * result.area_rate) / result.area;
+  result.fraction = std::min(1.0, result.area / foot_area);
+  return result;
+}
+
+/// Barycentric weights of a point in the plane of a triangle.
+std::array<double, 3> weights_in(const std::array<Vector3d, 3>& c, const Vector3d& x) {
+  const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
+  const double twice2 = normal.squaredNorm();
+  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2,
+               w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
+  return {w0, w1, 1 - w0 - w1};
 }
 
 /// A spring that may reach over the rim: how much of its foot triangle lies over the target, and the spring moved to
@@ -76,27 +179,13 @@ void for_each_spring(int springs, const Body& body) {
   parallel_for(springs, body, 256);
 }
 
+/// All numbers are zero.
 SpringStates empty_states(std::size_t n) {
   SpringStates s;
-  s.triangle.resize(n);
-  s.coverage.resize(n);
-  s.foot.resize(n);
-  s.direction.resize(n);
-  s.end.resize(n);
-  s.normal.resize(n);
-  s.end_weights.resize(n);
-  s.gap.resize(n);
-  s.t_source.resize(n);
-  s.t_target.resize(n);
-  s.overlap.resize(n);
-  s.pressure.resize(n);
-  s.strain.resize(n);
-  s.strain_source.resize(n);
-  s.strain_target.resize(n);
-  s.per_overlap.resize(n);
-  s.per_motion.resize(n);
-  s.area.resize(n);
-  s.too_deep.resize(n);
+  const auto resize = [n](auto&... each) { (each.resize(n), ...); };
+  resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
+         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.too_deep);
+  s.per_motion.resize(n, Vector3d::Zero());
   return s;
 }
 
@@ -151,11 +240,6 @@ void finish_gap(const SpringBed& bed, const RelativePose& relative, const Pose& 
   s.direction[k] = target.rotation * direction;
   const Vector3d foot = s.foot[k];
   s.foot[k] = target.center + target.rotation * (foot - bed.target_center);
-  s.area[k] = 0.0;
-  s.overlap[k] = s.pressure[k] = s.strain[k] = s.strain_source[k] = s.strain_target[k] = s.per_overlap[k] = 0.0;
-  s.per_motion[k].setZero();
-  s.too_deep[k] = 0;
-  s.t_target[k] = 0.0;
   const int t = s.triangle[k];
   if (t < 0) {
     s.end[k] = s.foot[k];
@@ -183,9 +267,9 @@ RimSpring rim_spring(int spring, const Coverage& c, const Pose& source, const Po
   RimSpring rim;
   rim.spring = spring;
   const Vector3d between = target.center - source.center;
-  const auto functional = [&](const Functional& f) {
-    const Vector3d force = target.rotation * f.force, moment = target.rotation * f.moment;
-    Eigen::Matrix<double, 12, 1> row;
+  const auto functional = [&](const Vector6& f) {
+    const Vector3d force = target.rotation * f.head<3>(), moment = target.rotation * f.tail<3>();
+    Vector12 row;
     row << force, moment, -force, -(moment + between.cross(force));
     return row;
   };
@@ -257,14 +341,7 @@ std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const Relative
   for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
   std::vector<SurfacePart> parts =
       parts_under_foot(foot, bed.springs.area[k], relative.rotation * bed.springs.direction[k], surface, first, end);
-  if (parts.empty()) {
-    SurfacePart part;
-    part.triangle = first;
-    part.area = s.area[k];
-    part.corners = 3;
-    part.corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    parts.push_back(part);
-  }
+  if (parts.empty()) parts.push_back({first, s.area[k]});
   return parts;
 }
 

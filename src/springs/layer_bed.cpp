@@ -96,7 +96,7 @@ void set_spring(const SpringBed& bed, const LayerPressure& result, int i, Spring
   const double confined =
       (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
       (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
-  s.per_overlap[k] = spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
+  s.per_overlap[k] = spring_response(bed.pair.law, E_s, E_t, s.t_source[k], s.t_target[k],
                                      confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
                          .per_overlap;
 }

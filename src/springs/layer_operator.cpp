@@ -169,8 +169,7 @@ std::vector<int> within_way(const LayerMesh& layer, const std::vector<int>& from
     front.pop();
     if (so_far > way[at(v)]) continue;
     found.push_back(v);
-    for (int k = layer.beside_begin[at(v)]; k < layer.beside_begin[at(v) + 1]; ++k) {
-      const int next = layer.beside[at(k)];
+    for (const int next : layer.beside[at(v)]) {
       const double length = so_far + (layer.mesh.vertices[at(next)] - layer.mesh.vertices[at(v)]).norm();
       if (length >= way[at(next)] || length > reach) continue;
       way[at(next)] = length;
@@ -227,18 +226,7 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
                                edge.rim});
       }
   }
-  std::vector<std::vector<int>> beside(layer.mesh.vertices.size());
-  for (const auto& t : layer.mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      for (const int other : {t[(k + 1) % 3], t[(k + 2) % 3]}) {
-        auto& list = beside[at(t[k])];
-        if (std::find(list.begin(), list.end(), other) == list.end()) list.push_back(other);
-      }
-  layer.beside_begin.push_back(0);
-  for (const auto& list : beside) {
-    layer.beside.insert(layer.beside.end(), list.begin(), list.end());
-    layer.beside_begin.push_back(static_cast<int>(layer.beside.size()));
-  }
+  layer.beside = vertex_neighbours(layer.mesh.vertices.size(), layer.mesh.triangles);
   layer.edge_distance = edge_distances(face, layer);
   layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
   layer.edge_curvature = edge_curvatures(layer);  // by that thickness: the measured one is none where a layer runs out
@@ -327,14 +315,7 @@ void append(LayerFeet& feet, const LayerFeet& more) {
 LayerFeet feet_of_own_triangles(const LayerOperator& layer) {
   const LayerMesh& mesh = layer.mesh;
   LayerFeet feet;
-  std::vector<SurfacePart> part(1);
-  part[0].corners = 3;
-  part[0].corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (int t = 0; t < mesh.pressed; ++t) {
-    part[0].triangle = t;
-    part[0].area = mesh.mesh.areas[at(t)];
-    add_foot(feet, layer, part, part[0].area);
-  }
+  for (int t = 0; t < mesh.pressed; ++t) add_foot(feet, layer, {{t, mesh.mesh.areas[at(t)]}}, mesh.mesh.areas[at(t)]);
   set_reach(feet, layer);
   return feet;
 }
@@ -360,14 +341,18 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
   feet.columns[1] = columns_for(layer.factor[1], within_way(mesh, under, 3 * most));
 }
 
+namespace {
+
+/// How much softer than linearly a layer answers: e = q/M - S6^-1(q) >= 0 for a pressure q, what its slope is.
+struct StrainExcess {
+  double strain = 0.0, slope = 0.0;
+};
 StrainExcess strain_excess(const Elasticity& layer, double q) {
   if (!(q > 0)) return {};
   const double per_modulus = 1 / confined_modulus(layer.E, layer.nu);
   const double strain = strain_at_pressure(Law::NeoHookean, layer, q);
   return {q * per_modulus - strain, per_modulus - 1 / layer_response(Law::NeoHookean, layer, strain).slope};
 }
-
-namespace {
 
 /// M_t, K_t3, and along the edges the integral of t^2.
 struct Parts {
@@ -451,8 +436,7 @@ std::vector<int> with_neighbours(const LayerMesh& mesh, const std::vector<LayerO
   std::vector<int> nodes;
   for (const LayerOperator::Outflow& out : outflow) {
     nodes.push_back(out.node);
-    nodes.insert(nodes.end(), mesh.beside.begin() + mesh.beside_begin[at(out.node)],
-                 mesh.beside.begin() + mesh.beside_begin[at(out.node) + 1]);
+    nodes.insert(nodes.end(), mesh.beside[at(out.node)].begin(), mesh.beside[at(out.node)].end());
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());

@@ -27,9 +27,9 @@ struct LayerMesh {
   /// Per vertex: what the flow sees of the thickness [mm], >= 0, linear in each triangle. A step of the bone is felt at
   /// the surface smeared over the thickness:  (M_1 + beta_1 K_t2) thickness = M_1 t.                             (L10)
   std::vector<double> thickness;
-  std::vector<int> beside_begin, beside;  ///< per vertex: the vertices it shares an edge with
-  std::vector<Edge> edges;                ///< of one triangle alone, sorted by triangle
-  std::vector<double> edge_distance;      ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
+  std::vector<std::vector<int>> beside;  ///< per vertex: the vertices it shares an edge with
+  std::vector<Edge> edges;               ///< of one triangle alone, sorted by triangle
+  std::vector<double> edge_distance;     ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
   std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
@@ -53,11 +53,6 @@ struct LayerFeet {
     return area[k] > 0 ? volume[k] / area[k] : 0.0;
   }
 };
-/// How much softer than linearly a layer answers: e = q/M - S6^-1(q) >= 0 for a pressure q, what its slope is.
-struct StrainExcess {
-  double strain = 0.0, slope = 0.0;
-};
-StrainExcess strain_excess(const Elasticity& layer, double q);
 
 /// The compliance of one layer, as an operator. For pressures p per foot, with q, r nodal and linear in each triangle,
 ///     S_k q_k = b p,   S_1 r = (square M_t + around B) q_1,   S_k = M_t + beta_k K_t3

@@ -48,13 +48,12 @@ SpringBed place_springs(const Joint& joint, const ContactPair& pair) {
                 {},
                 0.0,
                 target.max_thickness(),
-                pair.law,
                 nullptr};
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
   bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
-  if (bed.law == Law::Layer) bed.layers = make_layer_bed(pair);
+  if (bed.pair.law == Law::Layer) bed.layers = make_layer_bed(pair);
   return bed;
 }
 

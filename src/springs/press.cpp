@@ -18,8 +18,8 @@ void press_each(const SpringBed& bed, SpringStates& s, const Pose& target) {
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i);
     if (!(s.overlap[k] > 0.0)) continue;
-    const SpringResponse r = spring_response(bed.law, source_layer.elasticity, target_layer.elasticity, s.t_source[k],
-                                             s.t_target[k], s.overlap[k], bed.pair.interface_compliance);
+    const SpringResponse r = spring_response(bed.pair.law, source_layer.elasticity, target_layer.elasticity,
+                                             s.t_source[k], s.t_target[k], s.overlap[k], bed.pair.interface_compliance);
     s.pressure[k] = r.pressure;
     s.strain_source[k] = r.strain_source;
     s.strain_target[k] = r.strain_target;
@@ -48,6 +48,16 @@ SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose&
         -s.per_motion[k] + s.per_overlap[k] * source_overlap_gradient(bed, s, rim.spring, s.strain_source[k], source);
   }
   return s;
+}
+
+SpringDepth spring_depth(const SpringStates& s) {
+  SpringDepth depth;
+  for (int i = 0; i < s.size(); ++i) {
+    depth.through += s.too_deep[at(i)];
+    depth.strained += s.strain[at(i)] > kStrainLimit;
+    depth.largest = std::max(depth.largest, s.strain[at(i)]);
+  }
+  return depth;
 }
 
 }  // namespace dea

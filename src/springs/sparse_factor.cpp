@@ -248,22 +248,18 @@ void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, doub
   static_assert(SparseFactor::kWidest == 4);
   constexpr std::array kDown = {down<1, Count>, down<2, Count>, down<3, Count>, down<4, Count>};
   constexpr std::array kUp = {up<1, Count>, up<2, Count>, up<3, Count>, up<4, Count>};
-  int done = -1;
-  for (const int j : columns) {  // ascending, so those of a panel come one behind the other
-    const int p = L.panel_of[at(j)];
-    if (p == done) continue;
-    done = p;
-    const SparseFactor::Panel& panel = L.panels[at(p)];
-    kDown[at(panel.width - 1)](L, panel, b);
-  }
-  done = -1;
-  for (auto j = columns.rbegin(); j != columns.rend(); ++j) {
-    const int p = L.panel_of[at(*j)];
-    if (p == done) continue;
-    done = p;
-    const SparseFactor::Panel& panel = L.panels[at(p)];
-    kUp[at(panel.width - 1)](L, panel, b);
-  }
+  const auto solve_panels = [&](auto column, auto end, const auto& kernels) {
+    int done = -1;
+    for (; column != end; ++column) {  // in order, so those of a panel come one behind the other
+      const int p = L.panel_of[at(*column)];
+      if (p == done) continue;
+      done = p;
+      const SparseFactor::Panel& panel = L.panels[at(p)];
+      kernels[at(panel.width - 1)](L, panel, b);
+    }
+  };
+  solve_panels(columns.begin(), columns.end(), kDown);
+  solve_panels(columns.rbegin(), columns.rend(), kUp);
 }
 
 }  // namespace

@@ -73,7 +73,6 @@ SpringResponse layers_response(Law law, const Elasticity& source, const Elastici
     const LayerResponse p = layer_response(law, layer, e);
     r.pressure = p.pressure;
     r.per_overlap = p.slope / h;
-    r.per_t_target = -e * p.slope / h;
     r.strain_source = t_s > 0 ? e : 0.0;
     r.strain_target = t_t > 0 ? e : 0.0;
     return r;
@@ -105,7 +104,6 @@ SpringResponse layers_response(Law law, const Elasticity& source, const Elastici
   }
   const double slope_s = layer_response(law, source, e_s).slope, slope_t = layer_response(law, target, e_t).slope;
   r.per_overlap = 1.0 / (t_s / slope_s + t_t / slope_t);
-  r.per_t_target = -e_t * r.per_overlap;
   r.strain_source = e_s;
   r.strain_target = e_t;
   return r;
@@ -126,7 +124,6 @@ SpringResponse spring_response(Law law, const Elasticity& source, const Elastici
     x -= excess / (1 + c * r.per_overlap);
     r = layers_response(law, source, target, t_s, t_t, x);
   }
-  r.per_t_target /= 1 + c * r.per_overlap;
   r.per_overlap /= 1 + c * r.per_overlap;
   return r;
 }

@@ -30,7 +30,6 @@ double strain_at_pressure(Law law, const Elasticity& layer, double pressure);
 struct SpringResponse {
   double pressure = 0.0;
   double per_overlap = 0.0;    ///< dp/dDelta at constant thicknesses
-  double per_t_target = 0.0;   ///< dp/dt_t at constant overlap
   double strain_source = 0.0;  ///< e_s
   double strain_target = 0.0;  ///< e_t
 };

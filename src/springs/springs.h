@@ -14,6 +14,10 @@ namespace dea {
 
 struct LayerBed;  // layer_bed.h
 
+/// Over small motions of two bodies: the target's translation (of its centre of mass), rotation, the source's.
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
 /// The springs of one contact. Frame: the source's reference configuration.
 struct Springs {
   std::vector<std::array<Vector3d, 3>> triangle;        ///< foot triangle: its share of the source surface
@@ -37,15 +41,13 @@ struct SpringBed {
   std::vector<double> rim_distance;  ///< of the target's triangles
   double foot_radius = 0.0;          ///< largest distance of a foot triangle's corner from its centroid
   double max_target_thickness = 0.0;
-  Law law = Law::Linear;
   std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
 };
 
-/// A spring over the target's rim: how the covered part of its foot triangle changes with small motions. Order of the
-/// 12 unknowns as in ContactWrench.
+/// A spring over the target's rim: how the covered part of its foot triangle changes with small motions.
 struct RimSpring {
   int spring = -1;
-  Eigen::Matrix<double, 12, 1> area_rate = Eigen::Matrix<double, 12, 1>::Zero();  ///< d(area)
+  Vector12 area_rate = Vector12::Zero();  ///< d(area)
   Eigen::Matrix<double, 3, 12> foot_rate =
       Eigen::Matrix<double, 3, 12>::Zero();       ///< d(foot) in the source's frame (its plane)
   Vector3d pressure_gradient = Vector3d::Zero();  ///< of the pressure along the foot's plane; 0 where rates have it

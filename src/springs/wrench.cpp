@@ -11,8 +11,6 @@
 namespace dea {
 
 ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Pose& target) {
-  using Vector12 = Eigen::Matrix<double, 12, 1>;
-  using Matrix12 = Eigen::Matrix<double, 12, 12>;
   // Sums are made in chunks of a fixed size, added in their order: the same bits for any number of threads.
   constexpr int kChunk = 2048;
   const int chunks = (s.size() + kChunk - 1) / kChunk;
@@ -22,16 +20,11 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
     for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
       const auto k = at(i);
       if (s.area[k] <= 0 || s.pressure[k] <= 0) continue;
-      const Vector3d& n = s.direction[k];
-      const Vector3d arm_t = s.foot[k] - target.center, arm_s = s.foot[k] - source.center;
-      Vector12 w, kappa;
-      w << n, arm_t.cross(n), -n, -arm_s.cross(n);
-      const Vector3d& m = s.per_motion[k];
-      const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
-      kappa << m, end_t.cross(m), -m, -end_s.cross(m);
+      const Vector12 w = unit_wrench(s.foot[k], s.direction[k], source, target);
+      Vector12 kappa = unit_wrench(s.end[k], s.per_motion[k], source, target);
       if (s.rates.rows() > 0) {  // of the motion relative to the source, about the target's centre
-        const Vector3d a = s.rates.row(i).head<3>(), w = s.rates.row(i).tail<3>();
-        kappa << a, w, -a, -w - Vector3d(target.center - source.center).cross(a);
+        const Vector3d a = s.rates.row(i).head<3>(), turn = s.rates.row(i).tail<3>();
+        kappa << a, turn, -a, -turn - Vector3d(target.center - source.center).cross(a);
       }
       sum.wrench += s.pressure[k] * s.area[k] * w;
       sum.derivative.noalias() += (s.area[k] * w) * kappa.transpose();
@@ -42,10 +35,8 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   // Over the rim the covered area and the foot change too.
   for (const RimSpring& rim : s.rim) {
     const auto k = at(rim.spring);
-    const Vector3d& n = s.direction[k];
-    const Vector3d force = s.pressure[k] * s.area[k] * n;
-    Vector12 w;
-    w << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
+    const Vector3d force = s.pressure[k] * s.area[k] * s.direction[k];
+    const Vector12 w = unit_wrench(s.foot[k], s.direction[k], source, target);
     total.derivative +=
         w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);
     total.derivative.block<3, 12>(3, 0) -= skew(force) * rim.foot_rate;
@@ -72,17 +63,11 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
 
 namespace {
 
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
-
 /// d(gap) of small motions (E2) where the dofs are free.
 Vector12 opening_of(const SpringStates& s, int spring, const Pose& source, const Pose& target,
                     const std::array<bool, 12>& free) {
   const auto k = at(spring);
-  const Vector3d m = s.normal[k] / s.normal[k].dot(s.direction[k]);
-  const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
-  Vector12 opening;
-  opening << m, end_t.cross(m), -m, -end_s.cross(m);
+  Vector12 opening = unit_wrench(s.end[k], s.normal[k] / s.normal[k].dot(s.direction[k]), source, target);
   for (std::size_t d = 0; d < 12; ++d)
     if (!free[d]) opening[static_cast<Eigen::Index>(d)] = 0.0;
   return opening;
@@ -101,9 +86,8 @@ Vector12 units_of(const Matrix12& K) {
 
 }  // namespace
 
-Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& s, const Pose& source,
-                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
-                                                const std::array<bool, 12>& free) {
+Matrix12 closing_stiffness(const SpringBed& bed, const SpringStates& s, const Pose& source, const Pose& target,
+                           const Vector12& force, const std::array<bool, 12>& free) {
   const ContactPair& pair = bed.pair;
   Matrix12 K = Matrix12::Zero();
   std::vector<Vector12> opening(at(s.size()), Vector12::Zero());  // d(gap) of small motions
@@ -111,8 +95,9 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i);
     if (s.triangle[k] < 0 || s.area[k] <= 0) continue;
-    const SpringResponse r = spring_response(bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity,
-                                             s.t_source[k], s.t_target[k], 0.0, pair.interface_compliance);
+    const SpringResponse r =
+        spring_response(bed.pair.law, pair.source_layer().elasticity, pair.target_layer().elasticity, s.t_source[k],
+                        s.t_target[k], 0.0, pair.interface_compliance);
     opening[k] = opening_of(s, i, source, target, free);
     K += r.per_overlap * s.area[k] * opening[k] * opening[k].transpose();
     least_thickness = std::min(least_thickness, s.t_source[k] + s.t_target[k]);
@@ -134,7 +119,7 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
     fastest = std::max(fastest, closing);
   }
   // The force opens the joint: what else holds the bodies decides. Enough to keep a solver's matrix regular, no more.
-  if (!std::isfinite(way) || fastest <= 0) return force.isZero() ? K : Eigen::Matrix<double, 12, 12>(1e-6 * K);
+  if (!std::isfinite(way) || fastest <= 0) return force.isZero() ? K : Matrix12(1e-6 * K);
   way += 0.01 * least_thickness / fastest;
   return K / way;
 }

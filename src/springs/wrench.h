@@ -7,22 +7,28 @@
 namespace dea {
 
 /// Force and moment of the contact on target and source, about their current centres of mass, and their
-/// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
-/// 12 unknowns: target's translation, rotation, source's translation, rotation.
+/// derivative with respect to small motions of both.
 struct ContactWrench {
-  Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
-  Eigen::Matrix<double, 12, 12> derivative = Eigen::Matrix<double, 12, 12>::Zero();
+  Vector12 wrench = Vector12::Zero();
+  Matrix12 derivative = Matrix12::Zero();
   double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
 };
 ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
+
+/// A unit force along n at x on the target, and its opposite on the source; also how a length along n at x changes with
+/// small motions of both.
+inline Vector12 unit_wrench(const Vector3d& x, const Vector3d& n, const Pose& source, const Pose& target) {
+  Vector12 w;
+  w << n, (x - target.center).cross(n), -n, -(x - source.center).cross(n);
+  return w;
+}
 
 /// For surfaces apart, whose springs give Newton's method nothing to go by: a stiffness K (12x12, positive
 /// semidefinite, order of ContactWrench) under which `force` closes the gap in one step, K u = force with u the motion
 /// to just beyond first touch. It is that of all springs facing the target, taken as touching, divided by the way
 /// there; `force`: on target and source; `free`: of the 12 dofs, those that can move. Zero if no spring faces anything.
-Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& states, const Pose& source,
-                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
-                                                const std::array<bool, 12>& free);
+Matrix12 closing_stiffness(const SpringBed& bed, const SpringStates& states, const Pose& source, const Pose& target,
+                           const Vector12& force, const std::array<bool, 12>& free);
 
 /// How many ways there are to move the bodies against each other, 0 to 6. `free`: of the 12 dofs, those that can move.
 int free_motions(const Pose& source, const Pose& target, const std::array<bool, 12>& free);
@@ -35,7 +41,6 @@ int resisted_motions(const SpringStates& states, const Pose& source, const Pose&
 
 /// Of a force on target and source: its part along the mean direction of the springs that face the target. > 0: it
 /// opens the joint, < 0: it closes it.
-double opening_part(const SpringStates& states, const Eigen::Matrix<double, 12, 1>& force,
-                    const std::array<bool, 12>& free);
+double opening_part(const SpringStates& states, const Vector12& force, const std::array<bool, 12>& free);
 
 }  // namespace dea

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 
 #include "io/build/joint_feb.h"
 #include "io/feb/read_feb.h"
@@ -198,6 +200,28 @@ TEST(Build, SegmentedCartilageKeepsItsTriangles) {
   EXPECT_TRUE(joint.layers[1].bare);
 }
 
+/// Volume inside, by the divergence theorem.
+double volume_of(const TriangleSurface& s) {
+  double volume = 0;
+  for (const auto& t : s.triangles) volume += area_vector(s, t).dot(s.points[at(t[0])] - s.points[0]) / 3;
+  return volume;
+}
+
+/// Binary STL, which is single precision.
+void write_stl(const std::string& path, const TriangleSurface& s) {
+  std::ofstream file(path, std::ios::binary);
+  const auto count = static_cast<std::uint32_t>(s.triangles.size());
+  file << std::string(80, ' ') << std::string_view(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& t : s.triangles) {
+    file << std::string(12, '\0');
+    for (const int p : t) {
+      const Eigen::Vector3f x = s.points[at(p)].cast<float>();
+      file << std::string_view(reinterpret_cast<const char*>(x.data()), 12);
+    }
+    file << std::string(2, '\0');
+  }
+}
+
 /// Triangles of a domain of shells or of a surface, by way of an STL file.
 TriangleSurface through_stl(const fs::path& file, const JointModel& model, const std::vector<int>& nodes,
                             const std::vector<int>& begin) {
@@ -253,7 +277,7 @@ TEST(Build, OfAClosedCartilageTheSideAwayFromTheBoneIsTaken) {
   const double area = area_of(closed);
   const int first = static_cast<int>(closed.points.size());
   // the wall between the rims, point by point: both caps are made alike
-  const auto neighbours = edge_neighbours(closed);
+  const auto neighbours = edge_neighbours(closed.triangles);
   const std::size_t count = closed.triangles.size();
   const auto beneath = [&](int p) {
     int nearest = 0;

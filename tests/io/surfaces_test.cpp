@@ -297,16 +297,6 @@ TEST(Surfaces, OneShapeInEveryFormat) {
   }
 }
 
-TEST(Surfaces, WrittenAndReadAgain) {
-  const TriangleSurface s = read_surface(file("again.obj", kObj));
-  const std::string path = file("again.stl", "");
-  write_stl(path, s);
-  const TriangleSurface t = read_surface(path);
-  ASSERT_EQ(t.triangles.size(), s.triangles.size());
-  for (std::size_t i = 0; i < 12; ++i)
-    EXPECT_EQ(t.points[i], s.points[static_cast<std::size_t>(s.triangles[i / 3][i % 3])]);
-}
-
 TEST(Surfaces, PolygonsAreCutIntoTriangles) {
   const TriangleSurface s = read_surface(file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"));
   ASSERT_EQ(s.triangles.size(), 2U);
