@@ -491,7 +491,8 @@ std::string whole_chunk(bool compressed, const Put& put) {
   // FEBio computes sizes in a signed int.
   if (size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw WriteError(fmt::format("a mesh or state of {} bytes, a plot file holds less than 2 GiB", size));
-  return compressed ? packed_bytes(bytes) : bytes;
+  if (compressed) return packed_bytes(bytes);
+  return bytes;
 }
 
 }  // namespace
