@@ -23,9 +23,6 @@ UsageError wrong(const std::string& option, const std::string& text, const std::
                  const std::string& expected) {
   return UsageError(fmt::format("--{} {}: found {}, expected {}", option, text, found, expected));
 }
-UsageError wrong_value(const std::string& option, const std::string& text, const std::string& expected) {
-  return wrong(option, text, fmt::format("\"{}\"", text), expected);
-}
 
 /// "femur=2.0", cut at the first '=': a file's name may have more of them.
 struct Named {
@@ -34,7 +31,7 @@ struct Named {
 Named named(const char* option, const std::string& text, const char* form) {
   const std::size_t cut = text.find('=');
   const std::string name = trimmed(text.substr(0, cut));
-  if (cut == std::string::npos || name.empty() || cut + 1 == text.size()) throw wrong_value(option, text, form);
+  if (cut == std::string::npos || name.empty() || cut + 1 == text.size()) throw wrong_word(option, text, form);
   if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
     throw UsageError(
         fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
@@ -74,7 +71,7 @@ void refuse_second(const char* option, const std::string& text, bool there) {
 
 double not_negative(const char* option, const std::string& text) {
   const double value = number_argument(option, text);
-  if (!(value >= 0)) throw wrong_value(option, text, "0 or more");
+  if (!(value >= 0)) throw wrong_word(option, text, "0 or more");
   return value;
 }
 
@@ -99,7 +96,7 @@ void add_half_gap(const std::string& text, BuildRequest& request) {
     if (n.name != "max" && n.name != "min") throw wrong("half-gap", text, fmt::format("\"{}\"", n.name), "max=A,min=B");
     (n.name == "max" ? most : least) = positive_argument("half-gap", n.value);
   }
-  if (!(most > 0) || !(least > 0) || least > most) throw wrong_value("half-gap", text, "max=A,min=B with A above B");
+  if (!(most > 0) || !(least > 0) || least > most) throw wrong_word("half-gap", text, "max=A,min=B with A above B");
   bool any = false;
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
     const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
@@ -229,7 +226,7 @@ void set_anatomy(const BuildArguments& a, const BuildRequest& request, AnatomyRe
   anatomy.hip = a.hip != "none";
   if (!a.hip.empty() && anatomy.hip) {
     const std::vector<std::string> names = split_at_commas(a.hip);
-    if (names.size() != 2) throw wrong_value("hip", a.hip, "two bones, SOCKET,HEAD, or none");
+    if (names.size() != 2) throw wrong_word("hip", a.hip, "two bones, SOCKET,HEAD, or none");
     anatomy.socket = bone_of(request, "hip", names[0]);
     anatomy.head = bone_of(request, "hip", names[1]);
     if (anatomy.socket == anatomy.head) throw wrong("hip", a.hip, "one bone twice", "two bones, SOCKET,HEAD");
@@ -471,7 +468,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   set_anatomy(a, request, inputs.anatomy);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
   if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
-  if (inputs.model.nu >= 0.5) throw wrong_value("nu", a.nu, "a number below 0.5");
+  if (inputs.model.nu >= 0.5) throw wrong_word("nu", a.nu, "a number below 0.5");
   if (!a.penalty.empty()) inputs.model.penalty = positive_argument("penalty", a.penalty);
   return inputs;
 }

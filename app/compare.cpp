@@ -64,8 +64,7 @@ constexpr const char* kLayouts = "socket|anterior-superior-posterior|sectors=N";
 
 Vector3d direction_argument(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
-  if (!(v.norm() > 0))
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
+  if (!(v.norm() > 0)) throw wrong_word(option, text, "a direction that is not 0");
   return v;
 }
 
@@ -79,9 +78,7 @@ CompareOptions compare_options(const CompareArguments& a) {
   if (!a.thresholds.empty()) o.thresholds.clear();
   for (const std::string& text : a.thresholds) {
     const double t = number_argument("threshold", text);
-    if (!(t > 0))
-      throw UsageError(
-          fmt::format("--threshold {}: found \"{}\", expected a pressure above 0 (0 is always there)", text, text));
+    if (!(t > 0)) throw wrong_word("threshold", text, "a pressure above 0 (0 is always there)");
     if (std::find(o.thresholds.begin(), o.thresholds.end(), t) == o.thresholds.end()) o.thresholds.push_back(t);
   }
   std::sort(o.thresholds.begin(), o.thresholds.end());
@@ -110,8 +107,7 @@ CompareOptions compare_options(const CompareArguments& a) {
   if (!a.bin.empty()) {
     if (!o.profile) throw UsageError("--bin belongs to --profile");
     o.bin = number_argument("bin", a.bin);
-    if (!(o.bin >= 0.1 && o.bin <= 180))
-      throw UsageError(fmt::format("--bin {}: found \"{}\", expected degrees from 0.1 to 180", a.bin, a.bin));
+    if (!(o.bin >= 0.1 && o.bin <= 180)) throw wrong_word("bin", a.bin, "degrees from 0.1 to 180");
   }
   return o;
 }

@@ -47,8 +47,7 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
 
 int converge_command(const ConvergeArguments& a) {
   const double target = number_argument("target", a.target);
-  if (!(target > 0 && target < 1))
-    throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
+  if (!(target > 0 && target < 1)) throw wrong_word("target", a.target, "a number between 0 and 1");
   const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);

@@ -169,8 +169,7 @@ double number_argument(const char* option, const std::string& text) { return arg
 
 double positive_argument(const char* option, const std::string& text) {
   const double value = number_argument(option, text);
-  if (!(value > 0))
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a number above 0", option, text, text));
+  if (!(value > 0)) throw wrong_word(option, text, "a number above 0");
   return value;
 }
 
@@ -193,7 +192,7 @@ bool read_region_layout(const std::string& word, RegionLayout& layout) {
 
 UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,
                       const std::vector<std::string>& words) {
-  return UsageError(fmt::format("--{} {}: {}", option, text, bad_value(text, expected, words).what()));
+  return wrong_argument(option, text, bad_value(text, expected, words));
 }
 
 void show_activity(Progress& progress, const Activity& a) {

@@ -83,9 +83,9 @@ Eigen::Vector3d vector_argument(const char* option, const std::string& text);
 /// Is this word of --regions one of a layout, which is then set: "socket", "anterior-superior-posterior", "sectors=6"?
 bool read_region_layout(const std::string& word, RegionLayout& layout);
 
-/// A value that is none of an option's words.
+/// "--OPTION TEXT: found ..., expected ...", for a value that is none of its words, or does not fit.
 UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,
-                      const std::vector<std::string>& words);
+                      const std::vector<std::string>& words = {});
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);

@@ -90,8 +90,7 @@ MapOptions map_options(const PlotArguments& a) {
   if (!a.high.empty()) o.high = number_argument("max", a.high);
   if (o.low && !a.minus.empty())
     throw UsageError("--min and --minus: found both; a difference's scale goes from -max to max");
-  if (o.high && !a.minus.empty() && !(*o.high > 0))
-    throw UsageError(fmt::format("--max {}: found \"{}\", expected a difference above 0", a.high, a.high));
+  if (o.high && !a.minus.empty() && !(*o.high > 0)) throw wrong_word("max", a.high, "a difference above 0");
   if (o.high && !(*o.high > o.low.value_or(-1e300)))
     throw UsageError(fmt::format("--max {}: found \"{}\", expected more than --min {}", a.high, a.high, a.low));
   if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")

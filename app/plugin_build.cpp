@@ -10,9 +10,11 @@
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/process.h"
+#include "io/files/encoded_text.h"
 #include "io/files/output.h"
 #include "io/files/system.h"
 #include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea {
 
@@ -104,11 +106,6 @@ int run_program(const std::vector<std::string>& words, const std::string& log_fi
   return code;
 }
 
-std::string stripped(const std::string& line) {
-  const std::size_t begin = line.find_first_not_of(" \t");
-  return begin == line.npos ? "" : line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
-}
-
 /// The first error in what cmake or the compiler printed, as one line; empty if there is none.
 std::string first_error(const std::string& log) {
   std::istringstream lines(log);
@@ -118,27 +115,20 @@ std::string first_error(const std::string& log) {
   for (std::string line; std::getline(lines, line);) {
     if (in_error) {  // cmake's: indented paragraphs, of which the first may end in the middle of a sentence
       constexpr int kMost = 3;
-      const std::string text = stripped(line);
+      const std::string text = trimmed(line);
       if (!fault.empty() && !text.empty() && line[0] != ' ') return fault;
       if (!fault.empty() && text.empty() && (fault.back() == '.' || ++paragraphs == kMost)) return fault;
       fault += (fault.empty() || text.empty() ? "" : " ") + text;
     } else if (line.rfind("CMake Error", 0) == 0) {
       in_error = true;
       const std::size_t end = line.find("): ");
-      if (line.rfind("CMake Error: ", 0) == 0) return stripped(line.substr(13));
-      if (end != line.npos) fault = stripped(line.substr(end + 3));
+      if (line.rfind("CMake Error: ", 0) == 0) return trimmed(line.substr(13));
+      if (end != line.npos) fault = trimmed(line.substr(end + 3));
     } else if (line.find(" error: ") != line.npos || line.find("ld: ") != line.npos) {
-      return stripped(line);
+      return trimmed(line);
     }
   }
   return fault;
-}
-
-/// Text between XML tags.
-std::string xml(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-  return result;
 }
 
 }  // namespace
@@ -205,7 +195,7 @@ int plugin_build(const PluginBuildArguments& a) {
   if (library.empty()) throw std::runtime_error("the build made no libfebio_dea");
   const std::string target = (output / library.filename()).string();
   write_text(target, text_of(library));
-  print(fmt::format("{}\n<import>{}</import>\n", target, xml(target)));
+  print(fmt::format("{}\n<import>{}</import>\n", target, escaped(target)));
   return kSolved;
 }
 

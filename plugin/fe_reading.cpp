@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea::fe {
 
@@ -64,9 +65,7 @@ bool flag(FECoreBase& object, const char* name) {
 std::string text_of(FECoreBase& object, const char* name) {
   FEParam* parameter = object.GetParameter(name);
   if (parameter == nullptr || parameter->type() != FE_PARAM_STD_STRING) return "";
-  const std::string& text = parameter->value<std::string>();
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  return begin == text.npos ? "" : text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+  return trimmed(parameter->value<std::string>());
 }
 
 std::string kind_of(FEParam& parameter) {

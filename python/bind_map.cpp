@@ -19,6 +19,8 @@ namespace dea::python {
 
 namespace {
 
+using namespace py::literals;
+
 /// What a map is of, as Python says it.
 struct AskedMap {
   std::string field, surface, states;
@@ -95,13 +97,9 @@ py::list layers_of(const std::shared_ptr<MapFigure>& figure, const MapPanel& pan
   py::list all;
   for (int layer = 0; layer < surface.projection.layers; ++layer) {
     const PanelMasks masks = panel_masks(*figure, panel, layer);
-    py::dict one;
-    one["rim"] = lines_of(rim(surface.mesh, surface.projection, masks.all));
-    one["all"] = kept(masks.all);
-    one["away"] = kept(masks.away);
-    one["valued"] = kept(masks.valued);
-    one["interpolated"] = kept(masks.interpolated);
-    all.append(one);
+    all.append(py::dict("rim"_a = lines_of(rim(surface.mesh, surface.projection, masks.all)), "all"_a = kept(masks.all),
+                        "away"_a = kept(masks.away), "valued"_a = kept(masks.valued),
+                        "interpolated"_a = kept(masks.interpolated)));
   }
   return all;
 }
@@ -114,18 +112,11 @@ py::dict panel_dict(const std::shared_ptr<MapFigure>& figure, const MapPanel& pa
   const MapSurface& surface = figure->surfaces[at(panel.surface)];
   std::vector<std::array<double, 2>> points;
   for (const Vector2d& x : surface.projection.points) points.push_back({x.x(), x.y()});
-  py::dict all;
-  all["title"] = text(panel.title);
-  all["points"] = kept(std::move(points));
-  all["triangles"] = look(surface.mesh.triangles, figure);
-  all["facet"] = look(surface.mesh.facet, figure);
-  all["layers"] = layers_of(figure, panel);
-  all["facets"] = look(panel.facets, figure);
-  all["nodes"] = look(panel.points, figure);
-  all["edge"] = panel.edge;
-  all["peak"] = place_of(panel.peak);
-  all["center_of_pressure"] = place_of(panel.center_of_pressure);
-  return all;
+  return py::dict("title"_a = text(panel.title), "points"_a = kept(std::move(points)),
+                  "triangles"_a = look(surface.mesh.triangles, figure), "facet"_a = look(surface.mesh.facet, figure),
+                  "layers"_a = layers_of(figure, panel), "facets"_a = look(panel.facets, figure),
+                  "nodes"_a = look(panel.points, figure), "edge"_a = panel.edge, "peak"_a = place_of(panel.peak),
+                  "center_of_pressure"_a = place_of(panel.center_of_pressure));
 }
 
 /// Lines of equal value: the value, and the colour that is seen on it.
@@ -139,24 +130,15 @@ py::list contours_of(const MapFigure& figure) {
 }
 
 py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
-  py::dict all;
   py::list panels, colours;
   for (const MapPanel& panel : figure->panels) panels.append(panel_dict(figure, panel));
   for (int b = 0; b < kBands; ++b) colours.append(colour_tuple(band_colour(figure->map, b)));
   const Paper white = paper(false, figure->map);
-  all["panels"] = panels;
-  all["colours"] = colours;
-  all["nothing"] = colour_tuple(white.nothing);
-  all["turned_away"] = colour_tuple(white.turned_away);
-  all["line"] = colour_tuple(white.line);
-  all["contours"] = contours_of(*figure);
-  all["empty"] = figure->empty;
-  all["low"] = figure->low;
-  all["high"] = figure->high;
-  all["ticks"] = figure->ticks;
-  all["smooth"] = figure->smooth;
-  all["quantity"] = text(figure->quantity + (figure->unit.empty() ? "" : " [" + figure->unit + "]"));
-  return all;
+  return py::dict("panels"_a = panels, "colours"_a = colours, "nothing"_a = colour_tuple(white.nothing),
+                  "turned_away"_a = colour_tuple(white.turned_away), "line"_a = colour_tuple(white.line),
+                  "contours"_a = contours_of(*figure), "empty"_a = figure->empty, "low"_a = figure->low,
+                  "high"_a = figure->high, "ticks"_a = figure->ticks, "smooth"_a = figure->smooth,
+                  "quantity"_a = text(figure->quantity + (figure->unit.empty() ? "" : " [" + figure->unit + "]")));
 }
 
 }  // namespace

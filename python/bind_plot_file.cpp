@@ -23,6 +23,7 @@ namespace dea::python {
 
 namespace {
 
+using namespace py::literals;
 using File = std::shared_ptr<ResultFile>;
 
 struct PlotStateView {
@@ -153,12 +154,9 @@ VtkCells cells_of_surface(const XpltFacets& facets) {
 }
 
 py::dict distribution_dict(const Distribution& d) {
-  py::dict all;
-  const std::pair<const char*, double> numbers[] = {
-      {"area", d.area}, {"peak", d.peak},     {"p99", d.p99}, {"mean", d.mean}, {"p5", d.p5},
-      {"p25", d.p25},   {"median", d.median}, {"p75", d.p75}, {"p95", d.p95},   {"p99_unweighted", d.p99_unweighted}};
-  for (const auto& number : numbers) all[number.first] = number.second;
-  return all;
+  return py::dict("area"_a = d.area, "peak"_a = d.peak, "p99"_a = d.p99, "mean"_a = d.mean, "p5"_a = d.p5,
+                  "p25"_a = d.p25, "median"_a = d.median, "p75"_a = d.p75, "p95"_a = d.p95,
+                  "p99_unweighted"_a = d.p99_unweighted);
 }
 
 void bind_field(py::module_& m) {
@@ -380,14 +378,8 @@ py::dict pattern_difference_of(const py::object& a, const py::object& b, const p
   for (std::size_t i = 0; i < ours.size(); ++i)
     if (std::isnan(theirs[i])) ours[i] = kNaN;
   const PatternDifference d = unlocked([&] { return pattern_difference(ours, theirs, shares, {above}); });
-  py::dict all;
-  const std::pair<const char*, double> numbers[] = {{"correlation", d.correlation},
-                                                    {"rms", d.rms},
-                                                    {"mean", d.mean},
-                                                    {"largest", d.largest},
-                                                    {"dice", d.dice.front()}};
-  for (const auto& number : numbers) all[number.first] = number.second;
-  return all;
+  return py::dict("correlation"_a = d.correlation, "rms"_a = d.rms, "mean"_a = d.mean, "largest"_a = d.largest,
+                  "dice"_a = d.dice.front());
 }
 
 void bind_numbers(py::module_& m) {

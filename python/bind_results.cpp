@@ -23,6 +23,7 @@ namespace dea::python {
 
 namespace {
 
+using namespace py::literals;
 using Result_ = std::shared_ptr<Analysed>;
 
 const JointModel& model_of(const Analysed& a) { return a.recognised->recognition.model; }
@@ -111,13 +112,10 @@ py::list inside_of(const StateView& v) {
   py::list all;
   for (const InsideDomain& d : v.state->inside) {
     const Domain& domain = v.model().domains[at(d.domain)];
-    py::dict part;
-    part["part"] = text(domain.name);
-    part["material"] = text(v.model().materials[at(domain.material)].name);
-    part["element"] = look(domain.element_ids, v.owner);
-    part["stress"] = look(d.stress, v.owner);
-    part["strain"] = look(d.strain, v.owner);
-    all.append(part);
+    all.append(py::dict("part"_a = text(domain.name),
+                        "material"_a = text(v.model().materials[at(domain.material)].name),
+                        "element"_a = look(domain.element_ids, v.owner), "stress"_a = look(d.stress, v.owner),
+                        "strain"_a = look(d.strain, v.owner)));
   }
   return all;
 }

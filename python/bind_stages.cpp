@@ -34,6 +34,8 @@ namespace dea::python {
 
 namespace {
 
+using namespace py::literals;
+
 std::string keyword_of(const SettingOption& option) {
   std::string keyword = option.name;
   std::replace(keyword.begin(), keyword.end(), '-', '_');
@@ -56,17 +58,9 @@ const SettingOption& option_of(const std::string& keyword) {
 py::list options_of_python() {
   py::list all;
   for (const SettingOption& o : setting_options()) {
-    py::dict row;
-    row["keyword"] = keyword_of(o);
-    row["key"] = o.key == nullptr ? py::object(py::none()) : py::object(py::str(o.key));
-    row["key_form"] = o.key == nullptr ? std::string() : key_form(o);
-    row["value"] = o.value;
-    row["repeatable"] = o.repeatable;
-    row["without_key"] = o.per_surface != nullptr;
-    row["places"] = o.places;
-    row["group"] = o.group;
-    row["help"] = o.help;
-    all.append(row);
+    all.append(py::dict("keyword"_a = keyword_of(o), "key"_a = o.key,
+                        "key_form"_a = o.key == nullptr ? std::string() : key_form(o), "value"_a = o.value,
+                        "repeatable"_a = o.repeatable, "places"_a = o.places, "group"_a = o.group, "help"_a = o.help));
   }
   return all;
 }

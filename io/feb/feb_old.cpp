@@ -204,8 +204,7 @@ void prescribe_body(Reading& reading, const XMLElement& element, const RigidFixe
 
 /// A force or moment, the element's number.
 RigidLoad rigid_load(const Reading& reading, const XMLElement& element, const RigidFixed& body, int dof) {
-  return {body.material, dof,       read_scaled(reading, element), RigidLoad::Kind::Dead, false,
-          reading.step,  body.name, origin_of(reading, element)};
+  return {{reading.step, body.name, origin_of(reading, element)}, body.material, dof, read_scaled(reading, element)};
 }
 
 int rigid_dof(const Reading& reading, const XMLElement& element) {

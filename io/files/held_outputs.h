@@ -18,7 +18,7 @@ class HeldOutputs {
   ~HeldOutputs();
 
  private:
-  friend HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+  friend HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
   struct Held {
     int file;
     std::unique_ptr<Temporary> name;
