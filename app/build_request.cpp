@@ -315,17 +315,10 @@ void add_image(const std::string& path, const MirrorPlane& mirror, TriangleSurfa
                                  "xyz"[mirror.axis], mirror.at, box.min()[mirror.axis], box.max()[mirror.axis]));
   for (Eigen::Vector3d& x : s.points)
     if (std::abs(x[mirror.axis] - mirror.at) <= tolerance) x[mirror.axis] = mirror.at;
-  const int first = static_cast<int>(s.points.size());
-  const std::size_t triangles = s.triangles.size();
-  for (int i = 0; i < first; ++i) {
-    Eigen::Vector3d x = s.points[at(i)];
-    x[mirror.axis] = 2 * mirror.at - x[mirror.axis];
-    s.points.push_back(x);
-  }
-  for (std::size_t t = 0; t < triangles; ++t) {
-    const auto& c = s.triangles[t];
-    s.triangles.push_back({c[0] + first, c[2] + first, c[1] + first});
-  }
+  TriangleSurface image = s;
+  for (Eigen::Vector3d& x : image.points) x[mirror.axis] = 2 * mirror.at - x[mirror.axis];
+  for (auto& t : image.triangles) std::swap(t[1], t[2]);
+  s.append(image);
 }
 
 MendedSurface read_mended(const std::string& path, const BuildSources& sources, const std::string& what,

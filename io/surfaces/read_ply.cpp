@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "io/surfaces/surface_text.h"
-#include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 

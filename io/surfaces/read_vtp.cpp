@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -21,18 +21,10 @@ constexpr UnitSystem kUnitSystems[] = {
 }  // namespace
 
 UnitNames unit_names(const std::string& system) {
-  UnitNames u;
-  u.system = system;
-  for (const UnitSystem& s : kUnitSystems) {
-    if (system != s.name) continue;
-    u.length = s.length;
-    u.force = s.force;
-    u.pressure = s.pressure;
-    u.area = u.length + "²";
-    u.metres = s.metres;
-    u.newtons = s.newtons;
-  }
-  return u;
+  for (const UnitSystem& s : kUnitSystems)
+    if (system == s.name)
+      return {system, s.length, s.force, s.pressure, s.length + std::string("²"), s.metres, s.newtons};
+  return {system, "", "", "", ""};
 }
 
 std::vector<std::string> unit_systems() {

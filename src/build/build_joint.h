@@ -5,7 +5,6 @@
 //
 // Frame: the scans'. Lengths: theirs, mm as a rule. Nothing here knows a file.
 #pragma once
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>

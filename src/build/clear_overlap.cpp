@@ -1,7 +1,6 @@
 #include "src/build/clear_overlap.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"

@@ -9,7 +9,6 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
-#include "src/base/numbers.h"
 
 namespace dea {
 
@@ -142,7 +141,9 @@ void tell_unused(const std::vector<Landmark>& landmarks, FramesFound& found) {
     if (meaning_of(l.name).known == nullptr)
       unused += fmt::format("{}\"{}\"{}", unused.empty() ? "" : ", ", l.name, did_you_mean(bare(l.name), known));
   if (!unused.empty())
-    found.findings.push_back(fmt::format("landmarks that no frame needs: {}; known are {}", unused, landmark_names()));
+    found.findings.push_back(fmt::format(
+        "landmarks that no frame needs: {}; known are {}, all but the first four also with R or L before them", unused,
+        fmt::join(known, ", ")));
 }
 
 constexpr const char* kSideNeeded = "expected their side too: R or L before a name, as in RMFE, or the side given";
@@ -212,11 +213,6 @@ void refuse_opposite(const FramesFound& found) {
 }  // namespace
 
 double lateral_sign(BodySide side) { return side == BodySide::Right ? 1.0 : -1.0; }
-
-std::string landmark_names() {
-  return "RASIS, LASIS, RPSIS, LPSIS, HJC, MFE, LFE, MC, LC, MM, LM, all but the first four also with R or L before "
-         "them";
-}
 
 std::optional<Matrix3d> pelvis_axes(const std::vector<Landmark>& landmarks) {
   const std::vector<Vector3d> p = all_or_none(landmarks, "pelvis", {"RASIS", "LASIS", "RPSIS", "LPSIS"}, {});

@@ -30,9 +30,6 @@ struct AnatomicalFrame {
   std::string words;                                   ///< of which points it was made
 };
 
-/// Names that are known, "RASIS, LASIS, ...", for messages.
-std::string landmark_names();
-
 /// The three columns of the pelvis' axes, without its origin. Throws InputError: not all four spines are there, or they
 /// lie on a line. nullopt: not one of them is there.
 std::optional<Eigen::Matrix3d> pelvis_axes(const std::vector<Landmark>& landmarks);

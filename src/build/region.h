@@ -1,6 +1,5 @@
 // src/build/region.h – the part of a bone that bears cartilage: where it faces another bone, with a smooth rim.
 #pragma once
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>

@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "src/base/numbers.h"
 #include "src/equilibrium/approach.h"
 #include "src/equilibrium/motion_in_words.h"
 #include "src/equilibrium/separation.h"

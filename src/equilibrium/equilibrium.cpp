@@ -9,7 +9,6 @@
 
 #include "src/base/error.h"
 #include "src/base/numbers.h"
-#include "src/base/rotations.h"
 #include "src/base/say.h"
 #include "src/equilibrium/approach.h"
 #include "src/equilibrium/continuation.h"

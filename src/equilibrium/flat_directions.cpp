@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "src/base/decompositions.h"
 #include "src/equilibrium/approach.h"

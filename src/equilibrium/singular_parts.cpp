@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "src/base/decompositions.h"
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 
@@ -143,10 +142,7 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
 SingularParts all_singular_parts(const MatrixXd& K) {
   SingularParts parts;
   if (K.rows() == 0) return parts;
-  SingularValues svd = whole_svd(K);
-  parts.sigma = std::move(svd.sigma);
-  parts.U = std::move(svd.U);
-  parts.V = std::move(svd.V);
+  static_cast<SingularValues&>(parts) = whole_svd(K);
   parts.largest = parts.sigma[0];
   return parts;
 }

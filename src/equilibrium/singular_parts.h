@@ -4,12 +4,13 @@
 #include <Eigen/SparseCore>
 #include <functional>
 
+#include "src/base/decompositions.h"
+
 namespace dea {
 
 /// Singular values and vectors of a square matrix: K v = sigma u, K^T u = sigma v. Columns of U, V are orthonormal.
-struct SingularParts {
-  Eigen::VectorXd sigma;  ///< falling if all, rising if the smallest
-  Eigen::MatrixXd U, V;
+/// Falling if all, rising if the smallest.
+struct SingularParts : SingularValues {
   double largest = 0.0;  ///< largest singular value of the matrix (an estimate from below where not all are there)
 };
 

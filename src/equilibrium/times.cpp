@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 

@@ -8,6 +8,9 @@
 
 namespace dea {
 
+namespace {
+
+/// One spring per triangle of the source's spring surface, each divided into refine^2 equal ones.
 Springs make_springs(const Layer& source, int refine) {
   assert(refine >= 1);
   const SurfaceMesh& mesh = source.spring_surface();
@@ -35,6 +38,8 @@ Springs make_springs(const Layer& source, int refine) {
     }
   return s;
 }
+
+}  // namespace
 
 SpringBed place_springs(const Joint& joint, const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
