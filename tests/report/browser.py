@@ -153,7 +153,7 @@ class Browser:
 
     def open_once(self, url, ready):
         """ready(): waits for the page. Where it is open already, and looks as it did when it had been loaded once its controls are
-        put back, it is not loaded again: loading costs a second of a processor, checks ask a lot of a page."""
+        put back, it is not loaded again: that takes half a second of a processor."""
         if self.shown and self.shown[0] == url:
             _, mark, look = self.shown
             if self.run(LOOK)[0] == mark:
