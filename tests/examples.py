@@ -186,37 +186,33 @@ def with_numbers(command):
     return command
 
 
-def fault_of(kit, command, places):
+def fault_of(kit, folder, command, places):
     """What is wrong with an example, wherever it stands; empty: nothing."""
     beside, shown = " ".join(place[1] for place in places), [line for place in places for line in place[2]]
     command = with_numbers(command)
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(temporary)
-        try:
-            done = execute(kit, folder, command)
-        except (LookupError, subprocess.TimeoutExpired) as fault:
-            return str(fault)
-        if done.returncode != 0:
-            return f"exit code {done.returncode}\n{done.stderr}"
-        said = re.findall(r"[\w./]+\.(?:xplt|feb|png|svg|pdf|html|json|csv)\b", re.sub(r"dea \w+ \S+", "", beside))
-        for name in outputs_of(command) + said:
-            file = folder / name.rstrip(",;")
-            if not (any(file.iterdir()) if file.is_dir() else file.is_file() and file.stat().st_size > 0):
-                return f"{name} is not there afterwards"
-        printed = (done.stdout + done.stderr).splitlines()
-        missing = [line for line in shown if line not in [p.strip() for p in printed]]
-        return f"shown, but not printed: {missing[0]}" if missing else ""
+    try:
+        done = execute(kit, folder, command)
+    except (LookupError, subprocess.TimeoutExpired) as fault:
+        return str(fault)
+    if done.returncode != 0:
+        return f"exit code {done.returncode}\n{done.stderr}"
+    said = re.findall(r"[\w./]+\.(?:xplt|feb|png|svg|pdf|html|json|csv)\b", re.sub(r"dea \w+ \S+", "", beside))
+    for name in outputs_of(command) + said:
+        file = folder / name.rstrip(",;")
+        if not (any(file.iterdir()) if file.is_dir() else file.is_file() and file.stat().st_size > 0):
+            return f"{name} is not there afterwards"
+    printed = (done.stdout + done.stderr).splitlines()
+    missing = [line for line in shown if line not in [p.strip() for p in printed]]
+    return f"shown, but not printed: {missing[0]}" if missing else ""
 
 
-def faults_in_turn(kit, command):
-    """The examples of one --help, pasted one after the other into one folder: none is refused for what those before have written."""
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(temporary)
-        for where, example, _, _ in in_help(command):
-            example = with_numbers(example)
-            done = execute(kit, folder, example)
-            if done.returncode != 0:
-                yield f"{where}, after the examples before it: {example}\n  exit code {done.returncode}\n{done.stderr}"
+def results(kit, commands):
+    """(command, what is wrong with it, seconds) of each, pasted one after the other into one folder: none is refused for what those
+    before have written."""
+    with tempfile.TemporaryDirectory() as folder:
+        for command in commands:
+            start = time.monotonic()
+            yield command, fault_of(kit, pathlib.Path(folder), command, examples[command]), time.monotonic() - start
 
 
 def collect():
@@ -241,19 +237,17 @@ for name in sorted({name for command in to_run for name in inputs_of(command)} &
     except LookupError:
         pass  # told by each example that needs it
 
-
-def timed(command):
-    start = time.monotonic()
-    return fault_of(kit, command, examples[command]), time.monotonic() - start
-
-
+# Each in a folder of its own; those of dea study --help in one, in their order (each writes other files).
+in_turn = [command for _, command, _, _ in in_help(("study",))]
+alone = [[command] for command in to_run if command not in in_turn]
 with concurrent.futures.ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
-    for command, (fault, seconds) in zip(to_run, pool.map(timed, to_run)):
+    for command, fault, seconds in (result for some in pool.map(lambda c: list(results(kit, c)), [in_turn, *alone]) for result in some):
         if fault:
             faults.append(f"{', '.join(place[0] for place in examples[command])}: {command}\n  {fault.strip()}")
         if "-v" in sys.argv:
             print(f"{seconds:6.1f} s  {command}")
-faults += faults_in_turn(kit, ("study",))
+if len(in_turn) < 5:
+    faults.append(f"dea study --help: found {len(in_turn)} examples, expected more")
 faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed
            and not ("build" in SKIPPED and (name.endswith(".stl") or name == "mri_thickness.csv"))]
 for command, why in skipped.items():
