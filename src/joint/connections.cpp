@@ -16,6 +16,7 @@ namespace {
 struct ConnectionsDraft {
   const ModelParts& parts;
   const std::vector<int>& node_body;
+  Findings& findings;
   Connections connections;
 };
 
@@ -31,20 +32,17 @@ Vector3d reference_point(const ConnectionsDraft& draft, int body, const Vector3d
 /// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
 void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind) {
   const JointModel& model = draft.parts.model;
-  Connections& c = draft.connections;
   l.where = where(model, l.origin);
   if (l.body_a == l.body_b) {
-    c.findings.push_back({"joins-one-body", {.body = body_name(draft, l.body_a)}, {{"what", kind}, {"name", l.name}}});
+    add_once(draft.findings,
+             {{"joins-one-body", {.body = body_name(draft, l.body_a)}, {{"what", kind}, {"name", l.name}}}});
     return;
   }
   const double length = (l.point_b - l.point_a).norm();
   if (l.free_length <= 0) l.free_length = length;
-  if (!(length > 0) || !std::isfinite(length)) {
-    c.fault =
-        make_fault(model, l.origin, say("{} \"{}\" has no length:", kind, l.name), "its two points coincide, move one");
-    return;
-  }
-  c.ligaments.push_back(std::move(l));
+  if (!(length > 0) || !std::isfinite(length))
+    throw fault_at(model, l.origin, say("{} \"{}\" has no length:", kind, l.name), "its two points coincide, move one");
+  draft.connections.ligaments.push_back(std::move(l));
 }
 
 void add_rigid_springs(ConnectionsDraft& draft) {
@@ -57,7 +55,6 @@ void add_rigid_springs(ConnectionsDraft& draft) {
     l.stiffness = given_value(draft.parts.settings, s.name, kStiffness).value_or(s.k);
     l.free_length = given_value(draft.parts.settings, s.name, kSlackLength).value_or(s.free_length);
     add_ligament(draft, l, "spring");
-    if (draft.connections.fault) return;
   }
 }
 
@@ -70,11 +67,10 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
   l.body_b = draft.node_body[at(pair[1])];
   for (int node : pair) {
     if (draft.node_body[at(node)] >= 0) continue;
-    draft.connections.fault = make_fault(
+    throw fault_at(
         model, set.origin,
         say("spring \"{}\" is fastened to node {}, which belongs to no rigid body:", l.name, model.node_ids[at(node)]),
         "fasten it to a node of a bone");
-    return;
   }
   l.point_a = model.nodes[at(pair[0])];
   l.point_b = model.nodes[at(pair[1])];
@@ -99,17 +95,12 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
 void add_discrete_springs(ConnectionsDraft& draft) {
   const JointModel& model = draft.parts.model;
   for (const DiscreteSprings& set : model.discrete_springs) {
-    if (set.force && !set.force->unsupported.empty()) {
-      draft.connections.fault = make_fault(
+    if (set.force && !set.force->unsupported.empty())
+      throw fault_at(
           model, set.origin,
           say("spring \"{}\": its force is given by {}, which is not supported;", set.name, set.force->unsupported),
           "give points");
-      return;
-    }
-    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
-      add_discrete_spring(draft, set, pair);
-      if (draft.connections.fault) return;
-    }
+    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) add_discrete_spring(draft, set, pair);
   }
 }
 
@@ -124,21 +115,19 @@ void add_axial_forces(ConnectionsDraft& draft) {
     l.scale = f.force;
     l.scale.factor = given_value(draft.parts.settings, f.name, kForce).value_or(l.scale.factor);
     add_ligament(draft, l, "axial force");
-    if (draft.connections.fault) return;
   }
 }
 
 /// A cable runs through points that differ from one to the next.
-std::optional<Fault> cable_fault(const JointModel& model, const Cable& cable) {
+void check_cable(const JointModel& model, const Cable& cable) {
   if (cable.points.empty())
-    return make_fault(model, cable.origin, say("cable \"{}\" has no points:", cable.name), "add those it runs through");
+    throw fault_at(model, cable.origin, say("cable \"{}\" has no points:", cable.name), "add those it runs through");
   for (std::size_t i = 1; i < cable.points.size(); ++i)
     if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
-      return make_fault(
+      throw fault_at(
           model, cable.origin,
           say("cable \"{}\": points {} and {} coincide, so the cable has no direction there;", cable.name, i, i + 1),
           "take one out");
-  return std::nullopt;
 }
 
 void add_cables(ConnectionsDraft& draft) {
@@ -151,8 +140,7 @@ void add_cables(ConnectionsDraft& draft) {
     cable.force = c.force;
     cable.force.factor = given_value(draft.parts.settings, c.name, kForce).value_or(c.force.factor);
     if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
-    draft.connections.fault = cable_fault(draft.parts.model, cable);
-    if (draft.connections.fault) return;
+    check_cable(draft.parts.model, cable);
     draft.connections.cables.push_back(std::move(cable));
   }
 }
@@ -167,15 +155,12 @@ void add_connectors(ConnectionsDraft& draft) {
     c.axes = j.axes;
     c.motion = j.motion;
     c.value = j.value;
-    if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0)) {
-      draft.connections.fault =
-          make_fault(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
+    if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
+      throw fault_at(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
                      "give two axes that are not parallel");
-      return;
-    }
     if (c.body_a == c.body_b)
-      draft.connections.findings.push_back(
-          {"joins-one-body", {.body = body_name(draft, c.body_a)}, {{"what", "joint"}, {"name", c.name}}});
+      add_once(draft.findings,
+               {{"joins-one-body", {.body = body_name(draft, c.body_a)}, {{"what", "joint"}, {"name", c.name}}}});
     else
       draft.connections.connectors.push_back(std::move(c));
   }
@@ -196,14 +181,11 @@ void add_point_loads(ConnectionsDraft& draft) {
       if (body[at(node)] < 0) body[at(node)] = parts.bodies.of_material[at(set.material)];
   for (const NodalForce& f : model.nodal_forces) {
     for (int node : f.nodes) {
-      if (body[at(node)] < 0) {
-        draft.connections.fault =
-            make_fault(model, f.origin,
+      if (body[at(node)] < 0)
+        throw fault_at(model, f.origin,
                        say("nodal force \"{}\" acts on node {}, which is part of no rigid body;", f.name,
                            model.node_ids[at(node)]),
                        "DEA can load rigid bodies only: load a node of the bone, or use a rigid force");
-        return;
-      }
       draft.connections.point_loads.push_back({f, body[at(node)], model.nodes[at(node)], f.value, f.controller});
     }
   }
@@ -211,13 +193,11 @@ void add_point_loads(ConnectionsDraft& draft) {
 
 }  // namespace
 
-Connections find_connections(const ModelParts& parts, const std::vector<int>& node_body) {
-  ConnectionsDraft draft{parts, node_body, {}};
+Connections find_connections(const ModelParts& parts, const std::vector<int>& node_body, Findings& findings) {
+  ConnectionsDraft draft{parts, node_body, findings, {}};
   for (const auto add :
-       {add_rigid_springs, add_discrete_springs, add_axial_forces, add_cables, add_connectors, add_point_loads}) {
+       {add_rigid_springs, add_discrete_springs, add_axial_forces, add_cables, add_connectors, add_point_loads})
     add(draft);
-    if (draft.connections.fault) break;
-  }
   return std::move(draft.connections);
 }
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "src/base/fault.h"
 #include "src/base/finding.h"
 #include "src/facts/bodies.h"
 #include "src/model/joint_model.h"
@@ -68,12 +67,11 @@ struct Connections {
   std::vector<Ligament> ligaments;
   std::vector<Cable> cables;
   std::vector<Connector> connectors;
-  std::vector<PointLoad> point_loads;
-  Findings findings;
-  std::optional<Fault> fault;  ///< the first; then the rest is not complete
+  std::vector<PointLoad> point_loads;  ///< nodal forces
 };
 
-/// `node_body`: per model node, the body that carries it, -1: none.
-Connections find_connections(const ModelParts& parts, const std::vector<int>& node_body);
+/// `node_body`: per model node, the body that carries it, -1: none. Adds to `findings`. InputError: one of them cannot
+/// be what the model says.
+Connections find_connections(const ModelParts& parts, const std::vector<int>& node_body, Findings& findings);
 
 }  // namespace dea

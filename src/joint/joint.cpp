@@ -255,13 +255,11 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   add_once(joint.findings, unmodelled_parts(parts, joint.conditions, joint.contacts));
   add_once(joint.findings, dropped_ties(parts, joint.conditions));
   add_once(joint.findings, closing_ties(model, parts.holders));
-  Connections connections = find_connections(parts, joint.node_body);
-  if (connections.fault) found.faults = {*connections.fault};
-  add_once(joint.findings, connections.findings);
-  joint.ligaments = std::move(connections.ligaments);
-  joint.cables = std::move(connections.cables);
-  joint.connectors = std::move(connections.connectors);
-  joint.point_loads = std::move(connections.point_loads);
+  try {
+    static_cast<Connections&>(joint) = find_connections(parts, joint.node_body, joint.findings);
+  } catch (const InputError& error) {
+    found.faults = {error.fault};
+  }
   return found;
 }
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/facts/bodies.h"
 #include "src/facts/conditions.h"
 #include "src/joint/connections.h"
@@ -16,15 +16,11 @@
 
 namespace dea {
 
-struct Joint {
+struct Joint : Connections {
   std::vector<Body> bodies;
   std::vector<ContactPair> contacts;
-  std::vector<Ligament> ligaments;
-  std::vector<Cable> cables;
-  std::vector<Connector> connectors;
-  std::vector<PointLoad> point_loads;  ///< nodal forces
-  std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
-  Conditions conditions;               ///< of the model, without what the settings say of them
+  std::vector<int> node_body;  ///< per model node: body that carries it, -1: none (stays where it is)
+  Conditions conditions;       ///< of the model, without what the settings say of them
   std::vector<SymmetryPlane> symmetry_planes;
   Findings findings;  ///< what was concluded, left out or is taken otherwise than in FEBio, in order
 

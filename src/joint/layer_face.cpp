@@ -475,15 +475,9 @@ double step_size(const JointModel& model, const Meeting& m, int f, int k, double
   return 0.0;
 }
 
-/// What is beyond an edge of the face.
-struct Beyond {
-  Rim rim = Rim::Free;
-  bool bonded = false, shared = false;
-  double step = 0.0;
-};
-
-/// By the nodes of pieces of edges, the lesser first.
-using BeyondEdges = std::map<std::array<int, 2>, Beyond>;
+/// What is beyond edges of the face (of which triangle is not known yet), by the nodes of their pieces, the lesser
+/// first.
+using BeyondEdges = std::map<std::array<int, 2>, LayerFace::Edge>;
 
 std::array<int, 2> piece_key(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -495,7 +489,7 @@ BeyondEdges beyond_edges(const JointModel& model, const Meeting& m, double highe
       const Across& next = m.across[at(f)][at(k)];
       if (next.facet < 0) continue;
       const FaceKind kind = m.kinds[at(next.facet)];
-      Beyond found;
+      LayerFace::Edge found;
       if (!next.smooth) {
         if (kind != FaceKind::Bonded) found.step = step_size(model, m, f, k, highest_step);
       } else if (m.in_face[at(next.facet)]) {
@@ -525,17 +519,12 @@ std::vector<LayerFace::Edge> rim_edges(const SurfaceMesh& mesh, const BeyondEdge
       const auto& tri = mesh.triangles[at(t)];
       const int a = mesh.model_nodes[at(tri[at(k)])], b = mesh.model_nodes[at(tri[at((k + 1) % 3)])];
       LayerFace::Edge edge;
+      if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(mesh, t, k)))
+        edge.rim = Rim::Wall;
+      else if (const auto found = beyond.find(piece_key(a, b)); found != beyond.end())
+        edge = found->second;
       edge.triangle = t;
       edge.edge = k;
-      const auto found = beyond.find(piece_key(a, b));
-      if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(mesh, t, k))) {
-        edge.rim = Rim::Wall;
-      } else if (found != beyond.end()) {
-        edge.rim = found->second.rim;
-        edge.bonded = found->second.bonded;
-        edge.shared = found->second.shared;
-        edge.step = found->second.step;
-      }
       edges.push_back(edge);
     }
   return edges;
@@ -566,19 +555,7 @@ LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned
   LayerFace face;
   face.mesh = articular;
   face.pressed = articular.size();
-  for (int t = 0; t < face.mesh.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
-      const auto& tri = face.mesh.triangles[at(t)];
-      const int held = mirror[at(face.mesh.model_nodes[at(tri[at(k)])])] &
-                       mirror[at(face.mesh.model_nodes[at(tri[at((k + 1) % 3)])])];
-      const Rim rim = mirrored(held, outward_at(face.mesh, t, k)) ? Rim::Wall : Rim::Free;
-      LayerFace::Edge edge;
-      edge.triangle = t;
-      edge.edge = k;
-      edge.rim = rim;
-      face.edges.push_back(edge);
-    }
+  face.edges = rim_edges(articular, {}, mirror);
   return face;
 }
 

@@ -298,7 +298,7 @@ SettingContent forces_of(const Settings& settings) {
   return items;
 }
 
-std::vector<SettingOption> joint_options() {
+std::vector<SettingOption> all_options() {
   using S = Settings;
   return {
       {"contact", nullptr, false, "NAME", nullptr, kJoint, "Analyse only this contact [all that join two bodies]",
@@ -306,12 +306,6 @@ std::vector<SettingOption> joint_options() {
       {"source", nullptr, false, "BODY", nullptr, kJoint,
        "Body whose cartilage carries the springs [each contact's primary side]",
        [](S& s, Text, Text text) { s.source = text; }, [](const S& s) { return word_or_nothing(s.source); }},
-  };
-}
-
-std::vector<SettingOption> spring_options() {
-  using S = Settings;
-  return {
       {"springs-at", nullptr, false, "articular|bone", nullptr, kCartilage,
        "Where the springs stand: on the articular surface or on the bone [articular]",
        [](S& s, Text, Text text) {
@@ -346,12 +340,6 @@ std::vector<SettingOption> spring_options() {
        "Divide every triangle into N*N springs; with law layer also the meshes of both layers [1]",
        [](S& s, Text, Text text) { s.refine = parse_count(text, 1, 1000); },
        [](const S& s) { return number_or_nothing(s.refine); }},
-  };
-}
-
-std::vector<SettingOption> recognition_options() {
-  using S = Settings;
-  return {
       {"rigid", nullptr, true, "MATERIAL", nullptr, kJoint, "Take a deformable material as rigid bone; may be repeated",
        [](S& s, Text, Text text) { add_once(s.rigid, text); }, [](const S& s) { return one(s.rigid); }},
       {"attach", "surface", false, "BODY", nullptr, kJoint,
@@ -364,12 +352,6 @@ std::vector<SettingOption> recognition_options() {
        "Keep facets of this contact surface that look like a side wall or are bonded to bone; may be repeated [left "
        "out]",
        [](S& s, Text, Text text) { add_once(s.keep_facets, text); }, [](const S& s) { return one(s.keep_facets); }},
-  };
-}
-
-std::vector<SettingOption> cartilage_options() {
-  using S = Settings;
-  return {
       {"thickness", "surface", false, "NUMBER", "LENGTH", kCartilage,
        "Constant cartilage thickness, in the model's unit of length (mm); may be repeated [measured]",
        [](S& s, Text key, Text text) { s.thickness[key] = parse_length(text); },
@@ -393,12 +375,6 @@ std::vector<SettingOption> cartilage_options() {
        "Poisson's ratio, -1 < nu < 0.5; may be repeated [the material's]",
        [](S& s, Text key, Text text) { s.nu[key] = parse_poisson_ratio(text); },
        [](const S& s) { return by_name(s.nu); }, &S::nu},
-  };
-}
-
-std::vector<SettingOption> placing_options() {
-  using S = Settings;
-  return {
       {"rotate", "body", true, "x,y,z,DEGREES", nullptr, kPlacing,
        "Turn a body, and all that is attached to it, before anything moves or loads it: axis in global directions, "
        "right-handed; or frame:NAME,AXIS,DEGREES, AXIS being x, y, z or three numbers; may be repeated",
@@ -411,23 +387,15 @@ std::vector<SettingOption> placing_options() {
        [](const S& s) { return by_name(s.rotate_about); }},
       {"move", "body", true, "x,y,z", nullptr, kPlacing,
        "Move a body, and all that is attached to it, before anything else moves or loads it; frame:NAME,x,y,z: along "
-       "the "
-       "frame's axes; may be repeated",
+       "the frame's axes; may be repeated",
        [](S& s, Text key, Text text) {
          const FramedVector shift = parse_framed(text);
          s.placements.push_back({Placement::Kind::Move, key, shift.vector, 0.0, shift.frame});
        },
        [](const S& s) { return placements_of(s, Placement::Kind::Move); }, nullptr, nullptr, true},
-  };
-}
-
-std::vector<SettingOption> load_options() {
-  using S = Settings;
-  return {
       {"free", "body", false, "x,y,z,Ru,Rv,Rw", nullptr, kLoads,
        "Motions to solve for (\"none\": no motion). All others are fixed unless the model prescribes them; may be "
-       "repeated "
-       "[the model's]",
+       "repeated [the model's]",
        [](S& s, Text key, Text text) { s.free[key] = parse_dofs(text); }, [](const S& s) { return by_name(s.free); }},
       {"force", "body", false, "x,y,z", nullptr, kLoads,
        "Force that replaces the model's, growing from 0 over the last step, in the model's unit of force (N); "
@@ -451,8 +419,7 @@ std::vector<SettingOption> load_options() {
        [](const S& s) { return by_name(s.set_values); }},
       {"skip-steps", nullptr, false, "true|false", nullptr, kLoads,
        "Do not solve the model's steps one after the other: apply what holds at the end of the last one to the "
-       "starting "
-       "poses",
+       "starting poses",
        [](S& s, Text, Text text) { s.skip_steps = parse_switch(text); }, [](const S& s) { return one(s.skip_steps); },
        nullptr, "Solve the model's steps one after the other [default]"},
       {"units", nullptr, false, "SYSTEM", nullptr, kLoads,
@@ -466,12 +433,6 @@ std::vector<SettingOption> load_options() {
        "to half as long again",
        [](S& s, Text, Text text) { s.inside = parse_switch(text); }, [](const S& s) { return one(s.inside); }, nullptr,
        "Only pressures on the surfaces [default]"},
-  };
-}
-
-std::vector<SettingOption> table_options() {
-  using S = Settings;
-  return {
       {"loads", nullptr, false, "FILE", nullptr, kTables,
        "Forces and moments on one body, one state per row: CSV with a line of names, or OpenSim's .sto, .mot; they "
        "replace all that the model puts on that body at the end of its last step",
@@ -515,12 +476,6 @@ std::vector<SettingOption> table_options() {
        "m]",
        [](S& s, Text, Text text) { s.motion.units = text; },
        [](const S& s) { return word_or_nothing(s.motion.units); }},
-  };
-}
-
-std::vector<SettingOption> frame_options() {
-  using S = Settings;
-  return {
       {"frame", "name", false, "x,y,z/x,y,z/x,y,z", nullptr, kFrames,
        "Axes x, y, z of a frame in global directions, for frame:NAME in rotate, move, force and load-frame; `dea "
        "build` makes frames from landmarks; may be repeated",
@@ -543,13 +498,7 @@ void leave_thickness_to(Settings& settings, const SettingValue& v) {
 }  // namespace
 
 const std::vector<SettingOption>& setting_options() {
-  static const std::vector<SettingOption> options = [] {
-    std::vector<SettingOption> all;
-    for (const auto& part : {joint_options(), spring_options(), recognition_options(), cartilage_options(),
-                             placing_options(), load_options(), table_options(), frame_options()})
-      all.insert(all.end(), part.begin(), part.end());
-    return all;
-  }();
+  static const std::vector<SettingOption> options = all_options();
   return options;
 }
 

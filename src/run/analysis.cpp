@@ -73,22 +73,16 @@ Equilibrium solve_state(const Prepared& prepared, const LoadCase& load_case, boo
              : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
 }
 
-std::vector<char> free_to_turn(const LoadCase& load_case) {
+/// Per body: is one of three dofs free? `first`: 0, to move; 3, to turn.
+std::vector<char> free_bodies(const LoadCase& load_case, int first) {
   std::vector<char> free;
   for (const BodyConditions& body : load_case.bodies)
-    free.push_back(std::count(body.dofs.begin() + 3, body.dofs.end(), DofState::Free) > 0);
-  return free;
-}
-
-std::vector<char> free_to_move(const LoadCase& load_case) {
-  std::vector<char> free;
-  for (const BodyConditions& body : load_case.bodies)
-    free.push_back(std::count(body.dofs.begin(), body.dofs.begin() + 3, DofState::Free) > 0);
+    free.push_back(std::count(body.dofs.begin() + first, body.dofs.begin() + first + 3, DofState::Free) > 0);
   return free;
 }
 
 bool any_turns(const LoadCase& load_case) {
-  const std::vector<char> free = free_to_turn(load_case);
+  const std::vector<char> free = free_bodies(load_case, 3);
   return std::find(free.begin(), free.end(), 1) != free.end();
 }
 
@@ -239,8 +233,8 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     if (keep && options.displacements)
       state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
     if (keep) {
-      solved.free_to_turn = free_to_turn(load_case);
-      solved.free_to_move = free_to_move(load_case);
+      solved.free_to_turn = free_bodies(load_case, 3);
+      solved.free_to_move = free_bodies(load_case, 0);
     }
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
