@@ -15,39 +15,6 @@ import urllib.request
 WINDOW = (1000, 700)
 
 
-# What a check can leave otherwise than it found it: sizes, controls, words below maps, how maps are looked at, functions that it has put in
-# the place of the page's. `window.loaded` tells a page from the same that was loaded anew.
-LOOK = """
-  const all = [typeof Page !== "undefined" && [Page.maps, Page.whole, Page.parts], typeof StudyMaps !== "undefined" && StudyMaps.maps].flat();
-  return [window.loaded || "", JSON.stringify([innerWidth, innerHeight, document.documentElement.dataset.theme, "written" in window,
-    [...document.querySelectorAll("select, input")].map(e => [e.id, e.value, e.checked]),
-    [...document.querySelectorAll("[aria-pressed]")].map(e => [e.id, e.getAttribute("aria-pressed")]),
-    [...document.querySelectorAll("output, .readout, #map-readout")].map(e => e.textContent),
-    all.filter(m => m && m.orientation).map(m => [Object.keys(m).filter(k => typeof m[k] === "function"), m.orientation, m.target, m.zoom,
-      m.radius, !!m.plain, m.options])])]
-"""
-# Controls as they were, by what a user does to them.
-BACK = """
-  scrollTo(0, 0);
-  const [, , , , values, pressed] = JSON.parse(arguments[0]);
-  for (const [id, value, checked] of values) {
-    const e = id && document.getElementById(id);
-    if (!e || (e.value === value && e.checked === checked)) continue;
-    e.value = value;
-    e.checked = checked;
-    e.dispatchEvent(new Event("input"));
-    e.dispatchEvent(new Event("change"));
-  }
-  for (const [id, on] of pressed) {
-    const e = id && document.getElementById(id);
-    if (e && e.getAttribute("aria-pressed") !== on) e.click();
-  }
-  const reset = document.getElementById("reset");
-  if (reset) reset.click();
-  return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))
-"""
-
-
 def driver_path():
     return shutil.which("chromedriver")
 
@@ -100,8 +67,6 @@ class Browser:
         self.driver = subprocess.Popen([driver_path(), f"--port={self.port}"], stdout=subprocess.DEVNULL,
                                        stderr=subprocess.DEVNULL)
         self.session = None
-        self.shown = None  # by open_once: address, mark, look
-        self.loads = 0
         arguments = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run",
                      "--disable-background-networking", "--disable-component-update", "--disable-sync",
                      "--disable-default-apps", "--disable-extensions", "--disable-dev-shm-usage",
@@ -150,22 +115,6 @@ class Browser:
 
     def open(self, url):
         self.call("POST", "/url", {"url": url})
-
-    def open_once(self, url, ready):
-        """ready(): waits for the page. Where it is open already, and looks as it did when it had been loaded once its controls are
-        put back, it is not loaded again: that takes half a second of a processor."""
-        if self.shown and self.shown[0] == url:
-            _, mark, look = self.shown
-            if self.run(LOOK)[0] == mark:
-                self.run(BACK, look)
-                ready()
-                if self.run(LOOK) == [mark, look]:
-                    return
-        self.open(url)
-        ready()
-        self.loads += 1
-        self.run("window.loaded = arguments[0]", str(self.loads))
-        self.shown = (url, *self.run(LOOK))
 
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
@@ -230,9 +179,10 @@ class Browser:
                      and not n.startswith(".")]
             if names:
                 path = os.path.join(self.downloads, names[0])
+                time.sleep(0.2)
                 with open(path, "rb") as file:
                     content = file.read()
-                if content:  # an empty one keeps the name, until the whole file takes its place
+                if content:
                     os.remove(path)
                     return names[0], content
             time.sleep(0.05)

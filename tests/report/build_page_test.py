@@ -45,11 +45,9 @@ def make(dea, folder):
     return pages
 
 
-def ready(b, page, anew=False):
-    """The page as it is when it has been opened; `anew`: it is opened, though it may be open already."""
-    if anew:
-        b.shown = None
-    b.open_once("file://" + page, lambda: b.wait("document.documentElement.dataset.ready", 60, "the page to be ready"))
+def ready(b, page):
+    b.open("file://" + page)
+    b.wait("document.documentElement.dataset.ready", 60, "the page to be ready")
 
 
 def settled(b, maps):
@@ -187,7 +185,7 @@ def it_fits_narrow_and_dark(b, pages):
             for scheme in ("light", "dark"):
                 b.size(width, 900)
                 b.scheme(scheme)
-                ready(b, pages["hip"], anew=True)
+                ready(b, pages["hip"])
                 same(b.run("return document.documentElement.dataset.theme"), scheme, "the theme")
                 true(b.run("return document.documentElement.scrollWidth") <= width, f"wider than {width}")
         no_faults(b, "widths")
@@ -199,7 +197,7 @@ def it_fits_narrow_and_dark(b, pages):
 @check
 def nothing_comes_from_the_network(b, pages):
     b.log("performance")
-    ready(b, pages["hip"], anew=True)
+    ready(b, pages["hip"])
     no_network(b, "the page")
 
 

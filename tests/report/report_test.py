@@ -61,15 +61,11 @@ CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
 """
 
 
-def ready(b, page, anew=False):
-    """The page as it is when it has been opened; `anew`: it is opened, though it may be open already."""
-    def wait():
-        b.wait("document.documentElement.dataset.ready", 120, "the page to be ready")
-        if not b.run("return Page.maps.fault"):
-            b.wait("Page.maps.drawn > 0 && Page.maps.settled", 60, "the first drawing")
-    if anew:
-        b.shown = None
-    b.open_once("file://" + page, wait)
+def ready(b, page):
+    b.open("file://" + page)
+    b.wait("document.documentElement.dataset.ready", 120, "the page to be ready")
+    if not b.run("return Page.maps.fault"):
+        b.wait("Page.maps.drawn > 0 && Page.maps.settled", 60, "the first drawing")
 
 
 def settle(b):
@@ -151,7 +147,7 @@ def maps_are_drawn(b, pages):
 def nothing_comes_from_the_network(b, pages):
     b.log("performance")
     for name in ("compare", "awkward"):
-        ready(b, pages[name], anew=True)
+        ready(b, pages[name])
         b.click("#save-maps")
         b.downloaded()
     no_network(b, "pages")
@@ -199,6 +195,33 @@ def captions_are_the_headline_numbers(b, pages):
             for word in ("p99", "mean", "area", "peak"):
                 found = float(re.search(word + r" ([0-9.]+)", text).group(1))
                 same(found, float(f"{known[word]:.4g}"), f"{kind}, {word} below the map")
+
+
+COLOURED = """
+  Page.maps.draw();
+  return Page.panels.slice(0, arguments[0]).map((p) => {
+    const d = p.canvas.getContext("2d").getImageData(0, 0, p.canvas.width, p.canvas.height).data;
+    let n = 0;
+    for (let i = 0; i < d.length; i += 4) {
+      const most = Math.max(d[i], d[i + 1], d[i + 2]), least = Math.min(d[i], d[i + 1], d[i + 2]);
+      if (most - least > 0.3 * most) ++n;
+    }
+    return n;
+  })"""
+
+
+@check
+def smooth_contact_is_no_larger_than_the_facets(b, pages):
+    for name, count in (("knee", 1), ("three", 3)):
+        ready(b, pages[name])
+        for toggle in ("contours", "marks", "veil"):
+            b.click("#" + toggle)
+        smooth = b.run(COLOURED, count)
+        b.click("#facets")
+        facets = b.run(COLOURED, count)
+        for i, (p, q) in enumerate(zip(smooth, facets)):
+            true(q > 500, f"{name}, map {i}: {q} pixels with colour")
+            true(abs(p / q - 1) < 0.04, f"{name}, map {i}: {p} pixels with colour when smooth, {q} of facets")
 
 
 @check
@@ -260,6 +283,17 @@ def facets_have_the_lines_of_their_averages(b, pages):
     # none beyond the end that the user sets
     b.run("const s = document.getElementById('most'); s.value = 1e6; s.dispatchEvent(new Event('change'))")
     same(lines(b), 0, "pixels of lines where none is between the ends")
+
+
+@check
+def profile_begins_and_ends_with_facets(b, pages):
+    ready(b, pages["three"])
+    found = b.run("""
+      const s = Page.state.surface.about, all = s.profiles[Page.state.frame];
+      return [s.bins.length - 1, all.map(p => p.filter(x => x !== null).length).reduce((a, c) => a + c, 0),
+        document.querySelectorAll('#figure-profile svg circle').length]""")
+    true(found[2] > 5, "points of the profile")
+    same(found[2], found[1], "points of the profile, bins with facets")
 
 
 @check
@@ -362,6 +396,39 @@ def slow_drawing_ends_whole(b, pages):
 
 
 @check
+def difference_of_any_two(b, pages):
+    ready(b, pages["three"])
+    b.click("#facets")
+    options = b.run("return [...document.querySelectorAll('#pair option')].map(o => o.value)")
+    same(options, ["0,2", "1,2", "0,1"], "differences")
+    seen = set()
+    for pair in options:
+        b.run("const s = document.getElementById('pair'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", pair)
+        seen.add(pictures(b)[-1][0])
+        i, j = map(int, pair.split(","))
+        worst = b.run("""
+          const [i, j] = arguments, s = Page.state.surface, f = Report.frames[Page.state.frame].states;
+          const a = s.fields.pressure[i].state(f[i]), c = s.fields.pressure[j].state(f[j]), d = Page.panels.at(-1).what.facets;
+          let worst = 0; for (let k = 0; k < d.length; ++k) worst = Math.max(worst, Math.abs(d[k] - (a[k] - c[k])));
+          return worst""", i, j)
+        true(worst < 1e-6, f"difference {pair} is off by {worst}")
+        scale = b.run("return Page.panels.at(-1).what.scale")
+        same(scale["least"], -scale["most"], "the difference's scale about 0")
+        same(scale["map"], "diverging", "the difference's colours")
+    same(len(seen), 3, "different pictures of differences")
+
+
+@check
+def one_scale_for_all(b, pages):
+    ready(b, pages["three"])
+    scales = b.run("return Page.panels.slice(0, 3).map(p => JSON.stringify(p.what.scale))")
+    same(len(set(scales)), 1, "scales of the three results")
+    peak = b.run("return Math.max(...Report.surfaces[0].measures.flat().map(m => m[0].nodes.peak))")
+    most = json.loads(scales[0])["most"]
+    true(peak <= most * (1 + 1e-9) <= 1.05 * peak + 1e-9, f"scale to {most}, peak {peak}")
+
+
+@check
 def other_fields_and_surfaces(b, pages):
     ready(b, pages["compare"])
     pressure = pictures(b)
@@ -399,77 +466,6 @@ def undefined_is_a_gap(b, pages):
     true(shown[0] > 100 and shown[1] == 0 and shown[2] > 100, f"undefined facets as gaps, as values, defined: {shown}")
 
 
-COLOURED = """
-  Page.maps.draw();
-  return Page.panels.slice(0, arguments[0]).map((p) => {
-    const d = p.canvas.getContext("2d").getImageData(0, 0, p.canvas.width, p.canvas.height).data;
-    let n = 0;
-    for (let i = 0; i < d.length; i += 4) {
-      const most = Math.max(d[i], d[i + 1], d[i + 2]), least = Math.min(d[i], d[i + 1], d[i + 2]);
-      if (most - least > 0.3 * most) ++n;
-    }
-    return n;
-  })"""
-
-
-@check
-def smooth_contact_is_no_larger_than_the_facets(b, pages):
-    for name, count in (("knee", 1), ("three", 3)):
-        ready(b, pages[name])
-        for toggle in ("contours", "marks", "veil"):
-            b.click("#" + toggle)
-        smooth = b.run(COLOURED, count)
-        b.click("#facets")
-        facets = b.run(COLOURED, count)
-        for i, (p, q) in enumerate(zip(smooth, facets)):
-            true(q > 500, f"{name}, map {i}: {q} pixels with colour")
-            true(abs(p / q - 1) < 0.04, f"{name}, map {i}: {p} pixels with colour when smooth, {q} of facets")
-
-
-@check
-def profile_begins_and_ends_with_facets(b, pages):
-    ready(b, pages["three"])
-    found = b.run("""
-      const s = Page.state.surface.about, all = s.profiles[Page.state.frame];
-      return [s.bins.length - 1, all.map(p => p.filter(x => x !== null).length).reduce((a, c) => a + c, 0),
-        document.querySelectorAll('#figure-profile svg circle').length]""")
-    true(found[2] > 5, "points of the profile")
-    same(found[2], found[1], "points of the profile, bins with facets")
-
-
-@check
-def difference_of_any_two(b, pages):
-    ready(b, pages["three"])
-    b.click("#facets")
-    options = b.run("return [...document.querySelectorAll('#pair option')].map(o => o.value)")
-    same(options, ["0,2", "1,2", "0,1"], "differences")
-    seen = set()
-    for pair in options:
-        b.run("const s = document.getElementById('pair'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", pair)
-        seen.add(pictures(b)[-1][0])
-        i, j = map(int, pair.split(","))
-        worst = b.run("""
-          const [i, j] = arguments, s = Page.state.surface, f = Report.frames[Page.state.frame].states;
-          const a = s.fields.pressure[i].state(f[i]), c = s.fields.pressure[j].state(f[j]), d = Page.panels.at(-1).what.facets;
-          let worst = 0; for (let k = 0; k < d.length; ++k) worst = Math.max(worst, Math.abs(d[k] - (a[k] - c[k])));
-          return worst""", i, j)
-        true(worst < 1e-6, f"difference {pair} is off by {worst}")
-        scale = b.run("return Page.panels.at(-1).what.scale")
-        same(scale["least"], -scale["most"], "the difference's scale about 0")
-        same(scale["map"], "diverging", "the difference's colours")
-    same(len(seen), 3, "different pictures of differences")
-
-
-@check
-def one_scale_for_all(b, pages):
-    ready(b, pages["three"])
-    scales = b.run("return Page.panels.slice(0, 3).map(p => JSON.stringify(p.what.scale))")
-    same(len(set(scales)), 1, "scales of the three results")
-    peak = b.run("return Math.max(...Report.surfaces[0].measures.flat().map(m => m[0].nodes.peak))")
-    most = json.loads(scales[0])["most"]
-    true(peak <= most * (1 + 1e-9) <= 1.05 * peak + 1e-9, f"scale to {most}, peak {peak}")
-
-
 @check
 def figures_are_saved(b, pages):
     ready(b, pages["three"])
@@ -501,7 +497,7 @@ def figures_are_saved(b, pages):
 @check
 def saved_maps_say_what_they_are(b, pages):
     """The words in the picture: whose it is, which surface and time, the numbers of each map, the colours' title, what marks are."""
-    for name in ("three", "run"):
+    for name in ("run", "three"):
         ready(b, pages[name])
         b.run(KEEP_WORDS)
         b.click("#save-maps")
@@ -578,7 +574,7 @@ def two_surfaces_stand_side_by_side(b, pages):
     choose("beside", "medial_plateau")
     b.wait("!Page.state.beside", 20, "one surface again")
     same(b.run("return document.getElementById('beside').value"), "-1", "what is said to stand beside it")
-    ready(b, pages["knee"], anew=True)
+    ready(b, pages["knee"])
     same(alone("medial_plateau"), medial, "alone again")
     no_faults(b, "two surfaces")
     b.size(*WINDOW)
@@ -620,7 +616,7 @@ def light_and_dark(b, pages):
     b.wait("[...document.querySelectorAll('figure:not([hidden]) svg[role=img]')].every(s => parseInt(s.getAttribute('fill').slice(1, 3), 16) > 180)", 20,
            "figures in light ink")
     b.scheme("dark")
-    ready(b, pages["compare"], anew=True)
+    ready(b, pages["compare"])
     same(paper(), dark_paper, "the system's choice")
     b.scheme("light")
 
@@ -631,7 +627,7 @@ def narrow_window(b, pages):
         for width in (600, 390):  # opened narrow, then made narrower
             b.size(width, 900)
             if width == 600:
-                ready(b, pages[name], anew=True)
+                ready(b, pages[name])
             settle(b)
             widths = b.run("return [document.documentElement.scrollWidth, document.documentElement.clientWidth]")
             true(widths[0] <= widths[1], f"{name}: {widths[0]} pixels in a window of {widths[1]}")
@@ -666,7 +662,7 @@ def words_do_not_overlap(b, pages):
         for width in (1400, 600):  # opened wide, then made narrow
             b.size(width, 1000)
             if width == 1400:
-                ready(b, pages[name], anew=True)
+                ready(b, pages[name])
             b.run("return new Promise(done => setTimeout(done, 400))")
             same(overlapping_words(b), [], f"{name} at {width}: words on words")
             near = b.run("""

@@ -23,11 +23,9 @@ def check(function):
     return function
 
 
-def ready(b, page, anew=False):
-    """The page as it is when it has been opened; `anew`: it is opened, though it may be open already."""
-    if anew:
-        b.shown = None
-    b.open_once("file://" + page, lambda: b.wait("document.documentElement.dataset.ready", 60, "the page to be ready"))
+def ready(b, page):
+    b.open("file://" + page)
+    b.wait("document.documentElement.dataset.ready", 60, "the page to be ready")
 
 
 def maps(b):
@@ -111,7 +109,7 @@ def between_cases_only_where_it_is_said(b, pages):
 @check
 def it_prints_what_was_out_of_sight(b, pages):
     b.size(1000, 300)
-    ready(b, pages["turn"], anew=True)
+    ready(b, pages["turn"])
     b.wait("StudyMaps.panels.every(p => !p.visible)", 10, "maps out of sight")
     b.cdp("Page.printToPDF", printBackground=True)
     drawn = b.run(HASH + "return StudyMaps.panels.map(p => hash(p.canvas))")
@@ -191,7 +189,6 @@ def axes_have_a_unit_and_whole_numbers(b, pages):
     true(b.run("const edge = document.querySelector('#figure-response svg').getBoundingClientRect().right;"
                "return [...document.querySelectorAll('#figure-response text')].every(t => t.getBoundingClientRect().right <= edge)"),
          "a number at the right end is cut")
-    b.shown = None  # its numbers are changed
 
 
 @check
@@ -270,7 +267,7 @@ def pages_are_whole(b, pages):
     for name in ("turn", "sample", "awkward", "subjects", "refused"):
         for width in (1400, 390):
             b.size(width, 1000)
-            ready(b, pages[name], anew=True)
+            ready(b, pages[name])
             true(b.run("return document.documentElement.scrollWidth") <= width, f"{name} at {width}: wider than the window")
             b.wait("Page.figures.every(f => f.element.hidden || f.element.querySelector('svg'))", 20, "all figures")
             b.wait("""[...document.querySelectorAll('section')].filter(s => s.getBoundingClientRect().height > 0).every(
@@ -287,7 +284,7 @@ def ten_thousand_cases_open_in_three_seconds(b, pages):
     size = os.path.getsize(pages["big"])
     true(size < 30e6, f"{size} bytes")
     start = time.monotonic()
-    ready(b, pages["big"], anew=True)
+    ready(b, pages["big"])
     took = time.monotonic() - start
     # a machine that is busy with other tests is no laptop: its own time counts
     cpu = b.run("return performance.now() / 1000")
@@ -315,7 +312,7 @@ def a_million_rows_are_thinned(b, pages):
 @check
 def nothing_comes_from_the_network(b, pages):
     b.log("performance")
-    ready(b, pages["turn"], anew=True)
+    ready(b, pages["turn"])
     slide(b, "factor0", 0)
     no_network(b, "the page")
 
