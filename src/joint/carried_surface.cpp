@@ -10,32 +10,21 @@ namespace dea {
 
 namespace {
 
-Vector3d area_vector(const JointModel& model, const int* nodes, int count) {
-  Vector3d sum = Vector3d::Zero();
-  for (const auto& t : split_facet(nodes, count, model.nodes))
-    sum += (model.nodes[at(t[1])] - model.nodes[at(t[0])]).cross(model.nodes[at(t[2])] - model.nodes[at(t[0])]);
-  return sum;
-}
-
 /// Turns the facet to the sense of rotation of the element's outward face. Asked by area, for a collapsed face repeats
 /// a node. True: it was the other one.
 bool turn_outward(const JointModel& model, const ElementFace& c, std::vector<int>& facet) {
   const Domain& d = model.domains[at(c.domain)];
   const auto& face = element_faces(d.shape)[at(c.face)];
-  int face_nodes[9];
-  for (std::size_t k = 0; k < face.size(); ++k)
-    face_nodes[k] = d.nodes[at(c.element * nodes_per_element(d.shape) + face[k])];
-  const int count = static_cast<int>(facet.size());
-  if (area_vector(model, facet.data(), count).dot(area_vector(model, face_nodes, static_cast<int>(face.size()))) >= 0)
-    return false;
-  turn_round(facet);
+  std::vector<int> face_nodes;
+  for (const int k : face) face_nodes.push_back(d.nodes[at(c.element * nodes_per_element(d.shape) + k)]);
+  if (area_vector(facet, model.nodes).dot(area_vector(face_nodes, model.nodes)) >= 0) return false;
+  facet = turned_round(facet);
   return true;
 }
 
 InputError no_face(const JointModel& model, const Surface& s, int facet) {
   std::string ids;
-  for (int i = s.begin[at(facet)]; i < s.begin[at(facet) + 1]; ++i)
-    ids += fmt::format("{}{}", ids.empty() ? "" : ",", model.node_ids[at(s.nodes[at(i)])]);
+  for (const int node : s.facet(facet)) ids += fmt::format("{}{}", ids.empty() ? "" : ",", model.node_ids[at(node)]);
   return fault_at(model, s.origin,
                   say("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the mesh do "
                       "not fit together,",
@@ -44,12 +33,6 @@ InputError no_face(const JointModel& model, const Surface& s, int facet) {
 }
 
 }  // namespace
-
-void turn_round(std::vector<int>& facet) {
-  const int count = static_cast<int>(facet.size()), corners = facet_corners(count);
-  std::reverse(facet.begin() + 1, facet.begin() + corners);
-  if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
-}
 
 void check_volume(const JointModel& model, const Domain& d, int element) {
   const double volume = element_volume(model, d, element).volume;
@@ -73,7 +56,7 @@ CarriedSurface carry(const ModelParts& parts, int surface) {
     const ElementFace* c = carrier(parts, find_face(parts, s, f));
     if (c == nullptr) throw no_face(model, s, f);
     out.carriers.push_back(*c);
-    std::vector<int> facet(s.nodes.begin() + s.begin[at(f)], s.nodes.begin() + s.begin[at(f) + 1]);
+    std::vector<int> facet = s.facet(f);
     if (is_shell(model.domains[at(c->domain)].shape)) {
       out.on_shells = true;
     } else {

@@ -17,9 +17,6 @@ struct CarriedSurface {
 /// InputError: a fault of the surface or an element.
 CarriedSurface carry(const ModelParts& parts, int surface);
 
-/// The facet's nodes the other way round.
-void turn_round(std::vector<int>& facet);
-
 /// Deformable shells on the facets of a surface: their names, quoted.
 std::string deformable_shells(const ModelParts& parts, const Surface& surface);
 

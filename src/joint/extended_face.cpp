@@ -143,8 +143,7 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
         body_of_side(in.parts, *beside.contact, 1 - beside.side) != partner)
       continue;
     const FacetList facets = carry(in.parts, beside.surface).facets;
-    for (int f = 0; f < facets.size(); ++f)
-      list.add({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
+    for (int f = 0; f < facets.size(); ++f) list.add(facets.facet(f));
   }
   return list;
 }

@@ -2,6 +2,7 @@
 // goes on beyond.
 //
 // Which facets slide and what is beyond their rim is read from the layer's own elements (docs/theory.md, section 2).
+// Lists of facets are oriented out of their elements; a facet may be empty.
 #pragma once
 #include <vector>
 
@@ -38,17 +39,6 @@ struct LayerFace {
   std::vector<double> thickness;  ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;        ///< of one triangle alone, sorted by triangle and edge
   double bevelled = 0.0;          ///< length of the selection's rim where the next face turns by 20 to 65 degrees
-};
-
-/// Node lists into the model's nodes, oriented out of their elements. A facet may be empty.
-struct FacetList {
-  std::vector<int> begin = {0};
-  std::vector<int> nodes;
-  int size() const { return static_cast<int>(begin.size()) - 1; }
-  void add(const std::vector<int>& facet) {
-    nodes.insert(nodes.end(), facet.begin(), facet.end());
-    begin.push_back(static_cast<int>(nodes.size()));
-  }
 };
 
 /// What a face of the layer's elements is.

@@ -11,10 +11,8 @@ namespace dea {
 FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds) {
   FacetList kept;
   for (int f = 0; f < facets.size(); ++f) {
-    if (kinds.empty() || kinds[at(f)] == FaceKind::Open)
-      kept.add({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
-    else
-      kept.add({});
+    const bool keep = kinds.empty() || kinds[at(f)] == FaceKind::Open;
+    kept.add(keep ? facets.facet(f) : std::vector<int>());
   }
   return kept;
 }

@@ -47,8 +47,7 @@ void refuse_repeated_facet(const ContactSide& in) {
   const Surface& s = in.surface;
   std::map<FaceKey, int> facet_at;
   for (int f = 0; f < s.size(); ++f) {
-    const auto first = facet_at.try_emplace(
-        face_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+    const auto first = facet_at.try_emplace(face_key(s.facet(f)), f);
     if (!first.second)
       throw refusal_of(
           in, say("facets {} and {} are the same; its springs would count twice:", first.first->second + 1, f + 1),
