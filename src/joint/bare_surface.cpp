@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/geometry/coincident.h"
@@ -138,24 +139,11 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
 
 /// Number of the connected piece, per triangle.
 std::vector<int> connected_pieces(const SurfaceMesh& mesh) {
-  std::vector<int> piece(at(mesh.size()), -1), open;
-  int count = 0;
-  for (int first = 0; first < mesh.size(); ++first) {
-    if (piece[at(first)] >= 0) continue;
-    piece[at(first)] = count;
-    open = {first};
-    while (!open.empty()) {
-      const int t = open.back();
-      open.pop_back();
-      for (int next : mesh.neighbours[at(t)]) {
-        if (next < 0 || piece[at(next)] >= 0) continue;
-        piece[at(next)] = count;
-        open.push_back(next);
-      }
-    }
-    ++count;
-  }
-  return piece;
+  DisjointSets sets(mesh.triangles.size());
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int next : mesh.neighbours[at(t)])
+      if (next >= 0) sets.join(t, next);
+  return sets.numbers();
 }
 
 /// Per piece: does it look away from the partner? Compared at the closest points, area-weighted; the nearer, the more

@@ -1,7 +1,6 @@
 #include "src/joint/carried_surface.h"
 
 #include <algorithm>
-#include <set>
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
@@ -66,19 +65,6 @@ CarriedSurface carry(const ModelParts& parts, int surface) {
     out.facets.add(facet);
   }
   return out;
-}
-
-std::string deformable_shells(const ModelParts& parts, const Surface& s) {
-  std::set<std::string> names;
-  for (int f = 0; f < s.size(); ++f) {
-    const std::vector<ElementFace>* faces = find_face(parts, s, f);
-    if (faces == nullptr) continue;
-    for (const ElementFace& face : *faces) {
-      const Domain& d = parts.model.domains[at(face.domain)];
-      if (is_shell(d.shape) && d.material >= 0 && !parts.rigid[at(d.material)]) names.insert("\"" + d.name + "\"");
-    }
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace dea

@@ -17,9 +17,6 @@ struct CarriedSurface {
 /// InputError: a fault of the surface or an element.
 CarriedSurface carry(const ModelParts& parts, int surface);
 
-/// Deformable shells on the facets of a surface: their names, quoted.
-std::string deformable_shells(const ModelParts& parts, const Surface& surface);
-
 /// InputError: a solid element is inside out or has no volume.
 void check_volume(const JointModel& model, const Domain& domain, int element);
 

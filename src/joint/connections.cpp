@@ -148,13 +148,7 @@ void add_cables(ConnectionsDraft& draft) {
 void add_connectors(ConnectionsDraft& draft) {
   const ModelParts& parts = draft.parts;
   for (const RigidJoint& j : parts.model.rigid_joints) {
-    Connector c{j, j.type};
-    c.body_a = body_of_material(parts, j.material_a);
-    c.body_b = body_of_material(parts, j.material_b);
-    c.point = j.joint_origin;
-    c.axes = j.axes;
-    c.motion = j.motion;
-    c.value = j.value;
+    Connector c{j, body_of_material(parts, j.material_a), body_of_material(parts, j.material_b)};
     if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
       throw fault_at(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
                      "give two axes that are not parallel");

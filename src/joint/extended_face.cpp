@@ -10,7 +10,6 @@
 #include "src/base/numbers.h"
 #include "src/geometry/ray_caster.h"
 #include "src/joint/layer_support.h"
-#include "src/joint/left_out.h"
 #include "src/joint/thickness.h"
 
 namespace dea {

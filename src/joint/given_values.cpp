@@ -138,7 +138,7 @@ void check_in_use(const ModelParts& parts, const NamedThing& thing, const GivenV
   if (thing.body < 0) return;
   const Settings& s = parts.settings;
   const auto is_ours = [&](const std::string& name) {
-    return !name.empty() && body_by_name(parts.model, parts.bodies.bodies, name) == thing.body;
+    return names_body(parts.model, parts.bodies.bodies, name, thing.body);
   };
   const std::string& body = parts.bodies.bodies[at(thing.body)].name;
   for (const auto& entry : s.force)

@@ -1,5 +1,7 @@
 #include "src/joint/layer_face.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -288,6 +290,36 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
     kinds.push_back(found == index.end() ? FaceKind::Open : boundary.kinds[at(found->second)]);
   }
   return kinds;
+}
+
+FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds) {
+  FacetList kept;
+  for (int f = 0; f < facets.size(); ++f) {
+    const bool keep = kinds.empty() || kinds[at(f)] == FaceKind::Open;
+    kept.add(keep ? facets.facet(f) : std::vector<int>());
+  }
+  return kept;
+}
+
+std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds) {
+  const SurfaceMesh all = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+  std::array<double, 3> area = {0, 0, 0};
+  std::array<long, 3> count = {0, 0, 0};
+  for (int t = 0; t < all.size(); ++t) area[static_cast<std::size_t>(kinds[at(all.facet[at(t)])])] += all.areas[at(t)];
+  for (FaceKind kind : kinds) ++count[static_cast<std::size_t>(kind)];
+  const auto open = static_cast<std::size_t>(FaceKind::Open), bonded = static_cast<std::size_t>(FaceKind::Bonded),
+             wall = static_cast<std::size_t>(FaceKind::SideWall);
+  // a selection closed all round has as much bone side as articular side
+  if (count[open] > 0 && area[wall] <= area[open]) return "";
+  const std::string rest = count[open] == 0
+                               ? "none:"
+                               : fmt::format(
+                                     "{} facets, of less area ({:.3g}) than the side wall ({:.3g}): too little to tell "
+                                     "the articular face by;",
+                                     count[open], area[open], area[wall]);
+  return fmt::format(
+      "{} of its {} facets turn away from the articular face (side wall) and {} are bonded to bone, which leaves {}",
+      count[wall], facets.size(), count[bonded], rest);
 }
 
 namespace {

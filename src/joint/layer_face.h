@@ -4,6 +4,7 @@
 // Which facets slide and what is beyond their rim is read from the layer's own elements (docs/theory.md, section 2).
 // Lists of facets are oriented out of their elements; a facet may be empty.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "src/geometry/surface_mesh.h"
@@ -84,6 +85,12 @@ void find_side_walls(const JointModel& model, const FacetList& selected, LayerBo
 
 /// Per facet: what it is. Open, if it is no face of the boundary.
 std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& facets);
+
+/// The facets that are Open, the others without nodes; no kinds: all.
+FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds);
+
+/// Why a selection is no articular surface: most of it would be left out. Empty: it is one.
+std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds);
 
 /// How far a face is followed beyond the selection, in greatest thicknesses: beyond, nothing is felt.
 inline constexpr double kFaceReach = 5.0;

@@ -1,4 +1,6 @@
-#include "src/joint/half_held.h"
+#include "src/joint/layer_findings.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -164,8 +166,13 @@ Findings odd_ends(const ModelParts& parts, const Subject& surface, const std::ve
   return found;
 }
 
-}  // namespace
-
+/// How the model holds a layer's nodes otherwise than its user may have meant: `ends`, those of its deformable part.
+/// Planes across an axis in which at least a fifth of the layer's nodes are held along that axis, and its face ends
+/// there in edges that are not (plane-half-held). Ends held across another axis, with nodes forgotten, in some steps
+/// (plane-held-across, plane-node-forgotten, plane-in-some-steps). Nodes that the ground holds in a component without a
+/// plane of symmetry across it, of which the layer's law knows nothing (held-in-no-plane). Nodes of the pressed face,
+/// inside its rim, that its own body holds though cartilage lies under them, and nodes anywhere in it that another body
+/// holds, a user's choice where several do (held-in-layer).
 Findings held_findings(const ModelParts& parts, const Layer& layer, const std::vector<PartEnd>& ends) {
   const Subject surface = {.surface = parts.model.surfaces[at(layer.surface)].name};
   const std::vector<HalfHeldPlane> half_held = half_held_planes(parts, layer);
@@ -181,6 +188,150 @@ Findings held_findings(const ModelParts& parts, const Layer& layer, const std::v
   add_once(found, held_in_no_plane(parts, layer, half_held, ends));
   add_once(found, held_in_layer(parts, layer));
   return found;
+}
+
+/// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
+/// between two planes across one axis, where it has no end, half its width; without an end either way: infinity.
+struct Reach {
+  double half_width = 0.0;
+  bool strip = false;
+};
+
+Reach sideways_reach(const Layer& layer, double same_plane) {
+  const SurfaceMesh& mesh = layer.articular;
+  double area = surface_extent(mesh).area, length = 1.0;
+  int endless = 0;
+  for (int k = 0; k < 3; ++k) {
+    double low = kInfinity, high = -kInfinity;
+    for (std::size_t v = 0; v < layer.mirror.size() && v < mesh.vertices.size(); ++v) {
+      if ((layer.mirror[v] & (1u << k)) == 0) continue;
+      low = std::min(low, mesh.vertices[v][k]);
+      high = std::max(high, mesh.vertices[v][k]);
+    }
+    if (low > high) continue;
+    if (high - low <= 2 * same_plane) {
+      area *= 2;
+    } else {
+      length *= high - low;
+      ++endless;
+    }
+  }
+  if (endless > 1) return {kInfinity, false};
+  return endless == 1 ? Reach{0.5 * area / length, true} : Reach{std::sqrt(area / kPi), false};
+}
+
+/// Springs and the layer law suppose a thin layer.
+Findings not_thin(const std::string& surface, const Layer& layer, double same_plane) {
+  const double thickness = layer.mean_thickness();
+  const Reach reach = sideways_reach(layer, same_plane);
+  if (!(thickness > reach.half_width)) return {};
+  return {{"not-thin",
+           {.surface = surface},
+           {{"thickness", thickness},
+            {"half_width", reach.half_width},
+            {"give_thickness", NamedSetting{"thickness"}},
+            {"give_bone", NamedSetting{"bone"}}},
+           reach.strip ? 0 : 1}};
+}
+
+/// Edges of the rim that count as a plane of symmetry where no such plane was found.
+int walls_alone(const LayerFace& face) {
+  const SurfaceMesh& mesh = face.mesh;
+  int count = 0;
+  for (const LayerFace::Edge& e : face.edges) {
+    if (e.rim != Rim::Wall || e.shared) continue;
+    const auto& tri = mesh.triangles[at(e.triangle)];
+    count +=
+        mesh.planes.empty() || (mesh.planes[at(tri[at(e.edge)])] & mesh.planes[at(tri[at((e.edge + 1) % 3)])]) == 0;
+  }
+  return count;
+}
+
+/// Does the face end there, in a free edge?
+bool free_edge_at(const Layer& layer, const SymmetryPlane& plane, double tolerance) {
+  const SurfaceMesh& mesh = layer.face.mesh;
+  return std::any_of(layer.face.edges.begin(), layer.face.edges.end(), [&](const LayerFace::Edge& e) {
+    return e.rim == Rim::Free && std::abs(mesh.corner(e.triangle, e.edge)[plane.axis] - plane.at) <= tolerance &&
+           std::abs(mesh.corner(e.triangle, (e.edge + 1) % 3)[plane.axis] - plane.at) <= tolerance;
+  });
+}
+
+/// The ends of a layer's part that its user should know of.
+std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
+  std::set<int> regions;
+  for (const int node : layer.region_nodes) regions.insert(parts.region[at(node)]);
+  std::vector<PartEnd> ends;
+  for (const PartEnd& end : parts.holders.ends)
+    if (regions.count(end.region) > 0 && (end.is_plane || free_edge_at(layer, end.plane, parts.holders.same_plane)))
+      ends.push_back(end);
+  return ends;
+}
+
+/// Deformable shells on the facets of a surface: their names, quoted.
+std::string deformable_shells(const ModelParts& parts, const Surface& s) {
+  std::set<std::string> names;
+  for (int f = 0; f < s.size(); ++f) {
+    const std::vector<ElementFace>* faces = find_face(parts, s, f);
+    if (faces == nullptr) continue;
+    for (const ElementFace& face : *faces) {
+      const Domain& d = parts.model.domains[at(face.domain)];
+      if (is_shell(d.shape) && d.material >= 0 && !parts.rigid[at(d.material)]) names.insert("\"" + d.name + "\"");
+    }
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What was left out of a surface.
+Findings left_out_findings(const std::string& surface, const std::vector<FaceKind>& kinds) {
+  const auto turned = std::count(kinds.begin(), kinds.end(), FaceKind::SideWall),
+             bonded = std::count(kinds.begin(), kinds.end(), FaceKind::Bonded);
+  if (turned + bonded == 0) return {};
+  return {{"facets-left-out",
+           {.surface = surface},
+           {{"walls", turned}, {"bonded", bonded}, {"facets", kinds.size()}, {"keep", NamedSetting{"keep-facets"}}},
+           bonded == 0   ? 0
+           : turned == 0 ? 1
+                         : 2}};
+}
+
+/// Rims that are neither one thing nor the other.
+Findings rim_findings(const std::string& surface, const LayerFace& face) {
+  double rim = 0.0, stepped = 0.0, highest = 0.0;
+  for (const LayerFace::Edge& e : face.edges) {
+    const double length =
+        (face.mesh.corner(e.triangle, e.edge) - face.mesh.corner(e.triangle, (e.edge + 1) % 3)).norm();
+    rim += length;
+    if (e.step > 0.0) stepped += length;
+    highest = std::max(highest, e.step);
+  }
+  constexpr double kWorthSaying = 0.02;
+  Findings findings;
+  if (face.bevelled > kWorthSaying * rim)
+    findings.push_back({"rim-bevelled", {.surface = surface}, {{"length", face.bevelled}}});
+  if (stepped > kWorthSaying * rim)
+    findings.push_back({"face-stepped", {.surface = surface}, {{"height", highest}, {"length", stepped}}});
+  return findings;
+}
+
+}  // namespace
+
+Findings layer_findings(const ModelParts& parts, const Layer& layer) {
+  const Surface& surface = parts.model.surfaces[at(layer.surface)];
+  Findings findings = layer.findings;
+  add_once(findings, rim_findings(surface.name, layer.face));
+  add_once(findings, left_out_findings(surface.name, layer.facet_kinds));
+  if (!layer.compartments.names.empty())
+    findings.push_back({"compartments", {.surface = surface.name}, {{"compartments", layer.compartments.names}}});
+  const std::string shells = layer.material >= 0 ? deformable_shells(parts, surface) : "";
+  if (!shells.empty()) findings.push_back({"shells-left-out", {.surface = surface.name}, {{"shells", shells}}});
+  const int alone = walls_alone(layer.face);
+  if (alone > 0)
+    findings.push_back({"held-edges-in-no-plane",
+                        {.surface = surface.name},
+                        {{"edges", alone}, {"same_plane", parts.holders.same_plane}}});
+  add_once(findings, not_thin(surface.name, layer, parts.holders.same_plane));
+  if (!layer.rigid) add_once(findings, held_findings(parts, layer, ends_of(parts, layer)));
+  return findings;
 }
 
 }  // namespace dea
