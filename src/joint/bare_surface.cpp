@@ -88,50 +88,42 @@ std::vector<std::vector<Beside>> facets_beside(const ContactSide& in, const std:
   return beside;
 }
 
-/// Facets of one piece, from a first one on whose sense is known.
-struct FacePiece {
-  std::vector<int> facets;
-  bool on_solids = false;
-};
-
 /// Winds facets like those beside them, from those of solids on, then from the first of each piece of shells on.
 void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const std::vector<double>& areas,
                 BareSurface& surface) {
   const auto beside = facets_beside(in, on_shell, surface.facets);
   std::vector<char> known(on_shell.size(), 0);
-  const auto follow = [&](FacePiece& piece) {
-    for (std::size_t i = 0; i < piece.facets.size(); ++i) {
-      const int f = piece.facets[i];
+  const auto follow = [&](std::vector<int>& piece, bool on_solids) {  // from facets on whose sense is known
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const int f = piece[i];
       for (const Beside& next : beside[at(f)]) {
         const char sense = next.alike ? surface.turned[at(f)] : !surface.turned[at(f)];
         if (!known[at(next.facet)]) {
           known[at(next.facet)] = 1;
           surface.turned[at(next.facet)] = sense;
-          piece.facets.push_back(next.facet);
-        } else if (surface.turned[at(next.facet)] != sense && !piece.on_solids) {
+          piece.push_back(next.facet);
+        } else if (surface.turned[at(next.facet)] != sense && !on_solids) {
           throw one_sided(in, f, next);
         }
       }
     }
   };
-  FacePiece solids;
-  solids.on_solids = true;
+  std::vector<int> solids;
   for (int f = 0; f < surface.facets.size(); ++f)
     if (!on_shell[at(f)]) {
       known[at(f)] = 1;
-      solids.facets.push_back(f);
+      solids.push_back(f);
     }
-  follow(solids);
+  follow(solids, true);
   for (int f = 0; f < surface.facets.size(); ++f) {
     if (known[at(f)]) continue;
     known[at(f)] = 1;
-    FacePiece piece;
-    piece.facets = {f};
-    follow(piece);
+    std::vector<int> piece = {f};
+    follow(piece, false);
     double turned = 0.0;  // area, less that of the others
-    for (int p : piece.facets) turned += surface.turned[at(p)] ? areas[at(p)] : -areas[at(p)];
+    for (int p : piece) turned += surface.turned[at(p)] ? areas[at(p)] : -areas[at(p)];
     if (turned > 0)
-      for (int p : piece.facets) surface.turned[at(p)] = !surface.turned[at(p)];
+      for (int p : piece) surface.turned[at(p)] = !surface.turned[at(p)];
   }
 }
 

@@ -126,9 +126,7 @@ void refuse_touching_parts(const ContactSide& in, const Layer& layer) {
   for (int node : layer.region_nodes) regions.insert(in.parts.region[at(node)]);
   if (regions.size() < 2) return;
   const SurfaceMesh& mesh = layer.articular;
-  const double facet =
-      std::sqrt(2 * std::accumulate(mesh.areas.begin(), mesh.areas.end(), 0.0) / std::max(mesh.size(), 1));
-  const double tolerance = 0.01 * facet;
+  const double tolerance = 0.01 * std::sqrt(2 * mean_area(mesh));  // of a facet's size
   const auto pair = nodes_at_one_place(in.parts, layer, tolerance);
   bool touch = pair.has_value();
   for (auto region = regions.begin(); !touch && region != regions.end(); ++region)

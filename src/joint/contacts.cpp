@@ -87,14 +87,6 @@ void refuse_doubled(const JointModel& model, const std::vector<ContactPair>& oth
   }
 }
 
-// ---- surfaces on shells --------------------------------------------------------------------------------------------
-
-/// A shell surface has two sides: turns it to its partner. Solids know their outside.
-void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings) {
-  for (int side = 0; side < 2; ++side)
-    add_once(findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
-}
-
 // ---- one contact ---------------------------------------------------------------------------------------------------
 
 /// What its contact and the settings say of a pair; its layers are left empty. Throws UsageError where they contradict.
@@ -216,7 +208,8 @@ void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found
     return;
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) throw no_cartilage(model, c);
-  turn_shells(parts, pair, found.findings);
+  for (int side = 0; side < 2; ++side)  // a shell surface has two sides
+    add_once(found.findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   refuse_too_thin(model, c, pair);

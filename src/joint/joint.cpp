@@ -343,34 +343,6 @@ Findings dropped_ties(const ModelParts& parts, const Conditions& conditions) {
   return dropped;
 }
 
-/// Contacts that do not slide, and walls, in one list; the first's place.
-struct OtherContacts {
-  std::string list;
-  Origin first;
-  bool tied = false;
-};
-
-OtherContacts other_contacts(const JointModel& model) {
-  OtherContacts others;
-  const auto add = [&](const std::string& what, Origin origin) {
-    if (others.list.empty()) others.first = origin;
-    others.list += (others.list.empty() ? "" : ", ") + what;
-  };
-  for (const Contact& c : model.contacts)
-    if (c.kind == Contact::Kind::Tied) add(fmt::format("\"{}\" of type {}", c.name, c.type), c.origin);
-  others.tied = !others.list.empty();
-  for (const Remark& r : model.unsupported)
-    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
-      const std::size_t question =
-          r.advice.text.rfind("did you mean ", 0) == 0 ? r.advice.text.find('?') : std::string::npos;
-      add(r.what + (question == std::string::npos ? "" : " (" + r.advice.text.substr(0, question + 1) + ")"), r.origin);
-    }
-  if (others.list.empty() && (model.version == "1.2" || model.version == "2.0"))  // there it is a contact
-    for (const RigidNodes& set : model.rigid_nodes)
-      if (others.list.empty()) add("contact \"rigid\", which fastens nodes to a rigid body", set.origin);
-  return others;
-}
-
 }  // namespace
 
 int Joint::find_body(const JointModel& model, const std::string& name) const {
@@ -385,13 +357,30 @@ int Joint::body_of(int material) const {
 }
 
 Fault no_sliding_contact(const JointModel& model) {
-  const OtherContacts others = other_contacts(model);
+  std::string list;  // contacts that do not slide, and walls
+  Origin first;
+  const auto add = [&](const std::string& what, Origin origin) {
+    if (list.empty()) first = origin;
+    list += (list.empty() ? "" : ", ") + what;
+  };
+  for (const Contact& c : model.contacts)
+    if (c.kind == Contact::Kind::Tied) add(fmt::format("\"{}\" of type {}", c.name, c.type), c.origin);
+  const bool tied = !list.empty();
+  for (const Remark& r : model.unsupported)
+    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
+      const std::size_t question =
+          r.advice.text.rfind("did you mean ", 0) == 0 ? r.advice.text.find('?') : std::string::npos;
+      add(r.what + (question == std::string::npos ? "" : " (" + r.advice.text.substr(0, question + 1) + ")"), r.origin);
+    }
+  if (list.empty() && (model.version == "1.2" || model.version == "2.0"))  // there it is a contact
+    for (const RigidNodes& set : model.rigid_nodes)
+      if (list.empty()) add("contact \"rigid\", which fastens nodes to a rigid body", set.origin);
   std::string expected =
       "DEA needs one between two bodies (Contact section, e.g. type \"sliding-elastic\")" +
-      (others.list.empty() ? ", and there is no contact at all: add one, or there is nothing to solve for DEA"
-                           : "; found " + others.list);
-  if (others.tied) expected += ", which fastens surfaces: change its type if they are to slide";
-  return make_fault(model, others.first, "no sliding contact in the model;", expected);
+      (list.empty() ? ", and there is no contact at all: add one, or there is nothing to solve for DEA"
+                    : "; found " + list);
+  if (tied) expected += ", which fastens surfaces: change its type if they are to slide";
+  return make_fault(model, first, "no sliding contact in the model;", expected);
 }
 
 void check_body_names(const JointModel& model, const std::vector<Body>& bodies, const Settings& settings) {

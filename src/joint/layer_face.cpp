@@ -71,11 +71,6 @@ double turn_cosine(const JointModel& model, const std::vector<std::vector<int>>&
   return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge));
 }
 
-bool smooth(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
-            const FacetEdge& b) {
-  return turn_cosine(model, facets, a, b) > kCos40;
-}
-
 std::vector<std::vector<int>> all_facets(const FacetList& list) {
   std::vector<std::vector<int>> facets;
   for (int f = 0; f < list.size(); ++f) facets.push_back(list.facet(f));
@@ -166,7 +161,7 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
   const std::vector<FacetEdge> edges = facet_edges(facets);
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first + 1; i < last; ++i)
-      if (smooth(model, facets, edges[first], edges[i])) patches.join(edges[first].facet, edges[i].facet);
+      if (turn_cosine(model, facets, edges[first], edges[i]) > kCos40) patches.join(edges[first].facet, edges[i].facet);
   });
   FacetList inwards;
   for (int f = 0; f < boundary.faces.size(); ++f) inwards.add(turned_round(boundary.faces.facet(f)));
@@ -263,7 +258,7 @@ void find_side_walls(const JointModel& model, const FacetList& selected, LayerBo
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = i + 1; j < last; ++j)
-        if (open(edges[i].facet) && open(edges[j].facet) && smooth(model, facets, edges[i], edges[j]))
+        if (open(edges[i].facet) && open(edges[j].facet) && turn_cosine(model, facets, edges[i], edges[j]) > kCos40)
           patches.join(edges[i].facet, edges[j].facet);
   });
   std::vector<double> area(facets.size(), 0.0);  // selected, per patch

@@ -144,12 +144,6 @@ std::vector<double> triangles_to_vertices(const SurfaceMesh& mesh, const std::ve
   return sum;
 }
 
-double mean_facet_size(const SurfaceMesh& mesh) {
-  double area = 0.0;
-  for (double a : mesh.areas) area += a;
-  return std::sqrt(area / std::max(1, mesh.size()));
-}
-
 /// Barycentric weights of the centroids of the divide^2 equal parts of a triangle.
 std::vector<std::array<double, 3>> part_centroids(int divide) {
   std::vector<std::array<double, 3>> parts;
@@ -374,8 +368,8 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
       triangles_to_facets(source.articular, c.map.layers[c.source()],
                           articular ? space_of_springs(c, averages.gap) : joint_space(c, c.source(), 1).along);
 
-  const int divide = std::clamp(
-      static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+  const double ratio = std::sqrt(mean_area(target.articular)) / std::sqrt(mean_area(source.articular));
+  const int divide = std::clamp(static_cast<int>(std::ceil(ratio - 0.5)), 1, 8);
   const JointSpace space = joint_space(c, c.target(), divide);
   SideValues on_triangles(target.articular.triangles.size());
   if (c.bed.pair.law == Law::Layer)

@@ -233,22 +233,19 @@ std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height
   return measured;
 }
 
-/// Means over the facets; measures are linear in each triangle of the layer's mesh.
-InsideFacets facets_at(const Layer& layer, const LayerMesh& mesh, const std::vector<InsideMeasures>& measured) {
-  const auto means = [&](double InsideMeasures::*measure) {
-    std::vector<double> sum(at(layer.articular.facets), 0.0), area(sum.size(), 0.0);
-    for (int t = 0; t < mesh.pressed; ++t) {
-      double mean = 0.0;
-      for (int v : mesh.mesh.triangles[at(t)]) mean += measured[at(v)].*measure / 3;
-      const auto facet = at(layer.articular.facet[at(t / (mesh.divide * mesh.divide))]);
-      sum[facet] += mesh.mesh.areas[at(t)] * mean;
-      area[facet] += mesh.mesh.areas[at(t)];
-    }
-    for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
-    return sum;
-  };
-  return {means(&InsideMeasures::max_shear), means(&InsideMeasures::first_strain),
-          means(&InsideMeasures::third_strain)};
+/// Means over the facets of what is linear in each triangle of the layer's mesh.
+std::vector<double> facet_means(const Layer& layer, const LayerMesh& mesh, const std::vector<InsideMeasures>& measured,
+                                double InsideMeasures::*measure) {
+  std::vector<double> sum(at(layer.articular.facets), 0.0), area(sum.size(), 0.0);
+  for (int t = 0; t < mesh.pressed; ++t) {
+    double mean = 0.0;
+    for (int v : mesh.mesh.triangles[at(t)]) mean += measured[at(v)].*measure / 3;
+    const auto facet = at(layer.articular.facet[at(t / (mesh.divide * mesh.divide))]);
+    sum[facet] += mesh.mesh.areas[at(t)] * mean;
+    area[facet] += mesh.mesh.areas[at(t)];
+  }
+  for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
+  return sum;
 }
 
 /// Per vertex of the layer's mesh: whether it belongs to compartment `c`.
@@ -279,9 +276,13 @@ InsideSide side_results(const Layer& layer, const InsideLayer& inside) {
     return {inside_statistics(inside, bone, among), inside_statistics(inside, surface, among),
             peak_near_free_edge(inside, bone, among)};
   };
-  InsideSide side{ends({}), {}, facets_at(layer, mesh, bone), facets_at(layer, mesh, surface)};
+  InsideSide side{ends({}), {}, {}};
   for (int c = 0; c < layer.compartments.size(); ++c)
     side.compartments.push_back(ends(vertices_of_compartment(layer, mesh, c)));
+  for (const auto* measured : {&bone, &surface})
+    for (const auto measure :
+         {&InsideMeasures::max_shear, &InsideMeasures::first_strain, &InsideMeasures::third_strain})
+      side.facets.push_back(facet_means(layer, mesh, *measured, measure));
   return side;
 }
 

@@ -79,15 +79,11 @@ struct InsideDomain {
   std::vector<SymmetricTensor> strain;  ///< Lagrange, global axes of the reference
 };
 
-/// Per facet of a surface its mean at one height: max shear stress [MPa], first and third principal strain.
-struct InsideFacets {
-  std::vector<double> max_shear, first_strain, third_strain;
-};
 /// Of one side of a contact.
 struct InsideSide {
   InsideEnds numbers;
-  std::vector<InsideEnds> compartments;  ///< one per compartment of the layer
-  InsideFacets bone, surface;
+  std::vector<InsideEnds> compartments;     ///< one per compartment of the layer
+  std::vector<std::vector<double>> facets;  ///< per row of inside_facet_fields, per facet of the surface: its mean
 };
 
 struct InsideResults {

@@ -331,13 +331,8 @@ void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2
   for (const int side : {0, 1}) {
     std::optional<InsideSide>& of = inside[at(side)];
     if (!of) continue;
-    SideFields& f = fields.sides[side];
-    f.bone_max_shear = std::move(of->bone.max_shear);
-    f.bone_first_strain = std::move(of->bone.first_strain);
-    f.bone_third_strain = std::move(of->bone.third_strain);
-    f.surface_max_shear = std::move(of->surface.max_shear);
-    f.surface_first_strain = std::move(of->surface.first_strain);
-    f.surface_third_strain = std::move(of->surface.third_strain);
+    for (std::size_t i = 0; i < of->facets.size(); ++i)
+      fields.sides[side].*inside_facet_fields()[i].values = std::move(of->facets[i]);
     statistics.inside[side == pair.source ? 0 : 1] = of->numbers;
     if (side != compartment_side(pair)) continue;
     for (std::size_t i = 0; i < statistics.compartments.size(); ++i)

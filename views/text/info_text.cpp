@@ -8,6 +8,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
+#include "src/facts/parts.h"
 #include "src/rules/rules.h"
 #include "views/text/run_text.h"
 
