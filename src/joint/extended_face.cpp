@@ -163,12 +163,9 @@ void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface&
                          kFaceReach * deepest, parts.holders.mirror, in.in_plane, elsewhere);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
-  if (mesh.triangles.size() == triangles) {
-    layer.face.thickness = layer.thickness;
-    return;
-  }
-  if (facets == Facets::Flat) flatten(mesh);
   layer.face.thickness = layer.thickness;
+  if (mesh.triangles.size() == triangles) return;
+  if (facets == Facets::Flat) flatten(mesh);
   // a map says nothing of what is beyond it; where a map replaced the model's own layer (rigid_boundary), the elements
   // are as thick as it says
   if (said == nullptr && (!layer.thickness_given || layer.material < 0)) {

@@ -15,27 +15,21 @@ namespace dea {
 namespace {
 
 /// A plane across an axis in which nodes of a layer are held, but not those of all edges of its face that lie there.
-struct HalfHeldPlane {
-  int component = -1;
-  double coordinate = 0.0;
+struct HalfHeldPlane : SymmetryPlane {
   int edges = 0, unheld = 0;  // of the face's rim in that plane; of these, those that are free edges for it
 };
 
-/// Nodes of the layer in a plane, those of its bone aside: the bone holds them.
-struct PlaneNodes {
+/// Two or more, and a fifth of the layer's nodes in a plane, those of its bone aside: the bone holds them.
+bool nodes_held_in(const ModelParts& parts, const Layer& layer, const SymmetryPlane& plane) {
   int all = 0, held = 0;
-};
-
-PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, double coordinate, double tolerance) {
-  PlaneNodes count;
   for (int node : layer.region_nodes.empty() ? layer.face.mesh.model_nodes : layer.region_nodes) {
     if (parts.bodies.of_node[at(node)] >= 0 ||
-        !(std::abs(parts.model.nodes[at(node)][component] - coordinate) <= tolerance))
+        !(std::abs(parts.model.nodes[at(node)][plane.axis] - plane.at) <= parts.holders.same_plane))
       continue;
-    ++count.all;
-    count.held += (parts.holders.mirror[at(node)] >> component & 1) != 0;
+    ++all;
+    held += (parts.holders.mirror[at(node)] >> plane.axis & 1) != 0;
   }
-  return count;
+  return held > 1 && 5 * held >= all;
 }
 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
@@ -49,22 +43,17 @@ std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer
       if (!(std::abs(out[k]) > kIntoPlane) || !(std::abs(a[k] - b[k]) <= tolerance)) continue;
       HalfHeldPlane* plane = nullptr;
       for (HalfHeldPlane& p : planes)
-        if (p.component == k && std::abs(p.coordinate - a[k]) <= tolerance) plane = &p;
+        if (p.axis == k && std::abs(p.at - a[k]) <= tolerance) plane = &p;
       if (plane == nullptr) {
-        planes.push_back({k, a[k], 0, 0});
+        planes.push_back({{k, a[k]}, 0, 0});
         plane = &planes.back();
       }
       ++plane->edges;
       plane->unheld += e.rim == Rim::Free;
     }
   }
-  std::vector<HalfHeldPlane> found;
-  for (const HalfHeldPlane& plane : planes) {
-    if (plane.unheld == 0) continue;
-    const PlaneNodes nodes = nodes_in(parts, layer, plane.component, plane.coordinate, tolerance);
-    if (nodes.held > 1 && 5 * nodes.held >= nodes.all) found.push_back(plane);
-  }
-  return found;
+  std::erase_if(planes, [&](const HalfHeldPlane& p) { return p.unheld == 0 || !nodes_held_in(parts, layer, p); });
+  return planes;
 }
 
 /// As the model numbers them.
@@ -84,7 +73,7 @@ Findings held_in_no_plane(const ModelParts& parts, const Layer& layer, const std
     for (const SymmetryPlane& plane : layer.planes)
       if (plane.axis == k) told.push_back(plane.at);
     for (const HalfHeldPlane& plane : half_held)
-      if (plane.component == k) told.push_back(plane.coordinate);
+      if (plane.axis == k) told.push_back(plane.at);
     for (const LayerFace::Edge& e : layer.face.edges)
       if (e.rim == Rim::Wall && !e.shared && std::abs(outward_at(layer.face.mesh, e.triangle, e.edge)[k]) > kIntoPlane)
         told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
@@ -178,12 +167,10 @@ Findings held_findings(const ModelParts& parts, const Layer& layer, const std::v
   const std::vector<HalfHeldPlane> half_held = half_held_planes(parts, layer);
   Findings found;
   for (const HalfHeldPlane& plane : half_held)
-    found.push_back({"plane-half-held",
-                     surface,
-                     {{"unheld", plane.unheld},
-                      {"edges", plane.edges},
-                      {"axis", "xyz"[plane.component]},
-                      {"at", plane.coordinate + 0.0}}});
+    found.push_back(
+        {"plane-half-held",
+         surface,
+         {{"unheld", plane.unheld}, {"edges", plane.edges}, {"axis", "xyz"[plane.axis]}, {"at", plane.at + 0.0}}});
   add_once(found, odd_ends(parts, surface, ends));
   add_once(found, held_in_no_plane(parts, layer, half_held, ends));
   add_once(found, held_in_layer(parts, layer));

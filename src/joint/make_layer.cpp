@@ -12,7 +12,6 @@
 #include "src/base/value_above.h"
 #include "src/geometry/ray_caster.h"
 #include "src/joint/bare_surface.h"
-#include "src/joint/carried_surface.h"
 #include "src/joint/compartments.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/extended_face.h"

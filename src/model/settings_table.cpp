@@ -198,11 +198,7 @@ void add_once(std::vector<std::string>& names, Text name) {
 
 SettingContent one(SettingItem item) { return item; }
 
-SettingContent word_or_nothing(Text word) {
-  SettingItem item;
-  if (!word.empty()) item = word;
-  return item;
-}
+SettingContent word_or_nothing(Text word) { return word.empty() ? SettingItem() : SettingItem(word); }
 
 template <class Word>
 SettingContent word_or_nothing(const std::optional<Word>& word) {
@@ -211,9 +207,7 @@ SettingContent word_or_nothing(const std::optional<Word>& word) {
 
 template <class Number>
 SettingContent number_or_nothing(const std::optional<Number>& number) {
-  SettingItem item;
-  if (number) item = *number;
-  return item;
+  return number ? SettingItem(*number) : SettingItem();
 }
 
 std::string axes_text(const Eigen::Matrix3d& axes) {
