@@ -19,6 +19,15 @@ struct DisjointSets {
     return i;
   }
 
+  /// Per member the number of its set, from 0 on in the order of their least members.
+  std::vector<int> numbers() {
+    std::vector<int> number;
+    int count = 0;
+    for (int i = 0; i < static_cast<int>(parent.size()); ++i)
+      number.push_back(root(i) == i ? count++ : number[at(root(i))]);
+    return number;
+  }
+
   void join(int a, int b) {
     a = root(a);
     b = root(b);

@@ -32,8 +32,8 @@ Frame frame_of(const Joint& joint, const Connector& c, const std::vector<Pose>& 
   Frame f;
   f.a = A.rotation * c.axes;
   f.b = B.rotation * c.axes;
-  f.arm_a = A.rotation * (c.point - joint.bodies[at(c.body_a)].center_of_mass);
-  f.arm_b = B.rotation * (c.point - joint.bodies[at(c.body_b)].center_of_mass);
+  f.arm_a = A.rotation * (c.joint_origin - joint.bodies[at(c.body_a)].center_of_mass);
+  f.arm_b = B.rotation * (c.joint_origin - joint.bodies[at(c.body_b)].center_of_mass);
   f.d = B.center + f.arm_b - A.center - f.arm_a;
   return f;
 }
@@ -475,7 +475,7 @@ std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint
   for (const Connector& c : joint.connectors) {
     const Vector6 motion = connector_motion(joint, c, start),
                   before = connector_motion(joint, c, reference_poses(joint));
-    const double length = size + c.point.norm();
+    const double length = size + c.joint_origin.norm();
     for (int k = 0; k < kDofs; ++k) {
       const double gap = std::abs(motion[k] - before[k]);
       if (c.motion[at(k)] == RigidJoint::Motion::Free || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 
@@ -531,6 +532,10 @@ Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere) {
     area += a;
   }
   return along >= kLeastAlong * area ? Roundness::Round : Roundness::Flat;
+}
+
+double mean_area(const SurfaceMesh& surface) {
+  return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / std::max(1, surface.size());
 }
 
 SurfaceExtent surface_extent(const SurfaceMesh& surface) {

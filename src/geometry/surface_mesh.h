@@ -114,6 +114,9 @@ SphereFit fit_sphere(const SurfaceMesh& surface);
 enum class Roundness { Round, Uneven, Flat };
 Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere);
 
+/// Of its triangles.
+double mean_area(const SurfaceMesh& surface);
+
 /// Centre and radius of gyration of a surface (area-weighted).
 struct SurfaceExtent {
   Vector3d centroid = Vector3d::Zero();

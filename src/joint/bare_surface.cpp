@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/geometry/coincident.h"
@@ -17,14 +18,6 @@ namespace dea {
 namespace {
 
 constexpr double kSamePlace = 1e-6;  // of the facets' size: coordinates of a file have less noise
-
-double facet_area(const JointModel& model, const FacetList& facets, int f) {
-  Vector3d sum = Vector3d::Zero();
-  const int first = facets.begin[at(f)];
-  for (const auto& t : split_facet(facets.nodes.data() + first, facets.begin[at(f) + 1] - first, model.nodes))
-    sum += 0.5 * (model.nodes[at(t[1])] - model.nodes[at(t[0])]).cross(model.nodes[at(t[2])] - model.nodes[at(t[0])]);
-  return sum.norm();
-}
 
 /// Takes nodes at one place for one, in the facets' lists.
 void merge_nodes(const ContactSide& in, const std::vector<double>& areas, BareSurface& surface) {
@@ -43,28 +36,6 @@ void merge_nodes(const ContactSide& in, const std::vector<double>& areas, BareSu
       {"nodes-merged", {.surface = in.surface.name}, {{"merged", surface.stands_for.size()}, {"nodes", all.size()}}}};
 }
 
-/// An edge of a facet, from corner to corner.
-struct WoundEdge {
-  int low, high, facet;
-  bool rising;  // from `low` to `high`
-};
-
-std::vector<WoundEdge> wound_edges(const FacetList& facets) {
-  std::vector<WoundEdge> edges;
-  for (int f = 0; f < facets.size(); ++f) {
-    const int* nodes = facets.nodes.data() + facets.begin[at(f)];
-    const int corners = facet_corners(facets.begin[at(f) + 1] - facets.begin[at(f)]);
-    for (int k = 0; k < corners; ++k) {
-      const int a = nodes[k], b = nodes[(k + 1) % corners];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), f, a < b});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const WoundEdge& a, const WoundEdge& b) {
-    return std::tie(a.low, a.high, a.facet, a.rising) < std::tie(b.low, b.high, b.facet, b.rising);
-  });
-  return edges;
-}
-
 /// The facet across an edge, and whether it is wound to the same side.
 struct Beside {
   int facet;
@@ -78,7 +49,7 @@ std::string edge_text(const JointModel& model, int a, int b) {
                      model.node_ids[at(b)], x.x(), x.y(), x.z());
 }
 
-InputError several_sheets(const ContactSide& in, const std::vector<WoundEdge>& edges, std::size_t first,
+InputError several_sheets(const ContactSide& in, const std::vector<FacetEdge>& edges, std::size_t first,
                           std::size_t last) {
   std::string list;
   for (std::size_t i = first; i < last; ++i)
@@ -100,67 +71,59 @@ InputError one_sided(const ContactSide& in, int facet, const Beside& beside) {
 
 /// Per facet those across its edges. Edges where solids and shells meet by threes, or solids, part them.
 std::vector<std::vector<Beside>> facets_beside(const ContactSide& in, const std::vector<char>& on_shell,
-                                               const FacetList& facets) {
-  const std::vector<WoundEdge> edges = wound_edges(facets);
-  std::vector<std::vector<Beside>> beside(at(facets.size()));
-  for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
-    bool shells = true;
-    for (j = i; j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high; ++j)
-      shells = shells && on_shell[at(edges[j].facet)];
-    const WoundEdge &a = edges[i], &b = edges[j - 1];
-    if (j - i > 2 && shells) throw several_sheets(in, edges, i, j);
-    if (j - i != 2 || a.facet == b.facet) continue;
-    const bool alike = a.rising != b.rising;
+                                               const FacetList& list) {
+  std::vector<std::vector<int>> facets;
+  for (int f = 0; f < list.size(); ++f) facets.push_back(list.facet(f));
+  const std::vector<FacetEdge> edges = facet_edges(facets);
+  std::vector<std::vector<Beside>> beside(facets.size());
+  for_each_place(edges, [&](std::size_t first, std::size_t last) {
+    const FacetEdge &a = edges[first], &b = edges[last - 1];
+    if (last - first > 2 && std::all_of(&a, &b + 1, [&](const FacetEdge& e) { return on_shell[at(e.facet)] != 0; }))
+      throw several_sheets(in, edges, first, last);
+    if (last - first != 2 || a.facet == b.facet) return;
+    const bool alike = facets[at(a.facet)][at(a.edge)] != facets[at(b.facet)][at(b.edge)];  // one comes, one goes
     beside[at(a.facet)].push_back({b.facet, alike, a.low, a.high});
     beside[at(b.facet)].push_back({a.facet, alike, a.low, a.high});
-  }
+  });
   return beside;
 }
-
-/// Facets of one piece, from a first one on whose sense is known.
-struct FacePiece {
-  std::vector<int> facets;
-  bool on_solids = false;
-};
 
 /// Winds facets like those beside them, from those of solids on, then from the first of each piece of shells on.
 void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const std::vector<double>& areas,
                 BareSurface& surface) {
   const auto beside = facets_beside(in, on_shell, surface.facets);
   std::vector<char> known(on_shell.size(), 0);
-  const auto follow = [&](FacePiece& piece) {
-    for (std::size_t i = 0; i < piece.facets.size(); ++i) {
-      const int f = piece.facets[i];
+  const auto follow = [&](std::vector<int>& piece, bool on_solids) {  // from facets on whose sense is known
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const int f = piece[i];
       for (const Beside& next : beside[at(f)]) {
         const char sense = next.alike ? surface.turned[at(f)] : !surface.turned[at(f)];
         if (!known[at(next.facet)]) {
           known[at(next.facet)] = 1;
           surface.turned[at(next.facet)] = sense;
-          piece.facets.push_back(next.facet);
-        } else if (surface.turned[at(next.facet)] != sense && !piece.on_solids) {
+          piece.push_back(next.facet);
+        } else if (surface.turned[at(next.facet)] != sense && !on_solids) {
           throw one_sided(in, f, next);
         }
       }
     }
   };
-  FacePiece solids;
-  solids.on_solids = true;
+  std::vector<int> solids;
   for (int f = 0; f < surface.facets.size(); ++f)
     if (!on_shell[at(f)]) {
       known[at(f)] = 1;
-      solids.facets.push_back(f);
+      solids.push_back(f);
     }
-  follow(solids);
+  follow(solids, true);
   for (int f = 0; f < surface.facets.size(); ++f) {
     if (known[at(f)]) continue;
     known[at(f)] = 1;
-    FacePiece piece;
-    piece.facets = {f};
-    follow(piece);
+    std::vector<int> piece = {f};
+    follow(piece, false);
     double turned = 0.0;  // area, less that of the others
-    for (int p : piece.facets) turned += surface.turned[at(p)] ? areas[at(p)] : -areas[at(p)];
+    for (int p : piece) turned += surface.turned[at(p)] ? areas[at(p)] : -areas[at(p)];
     if (turned > 0)
-      for (int p : piece.facets) surface.turned[at(p)] = !surface.turned[at(p)];
+      for (int p : piece) surface.turned[at(p)] = !surface.turned[at(p)];
   }
 }
 
@@ -168,24 +131,11 @@ void wind_alike(const ContactSide& in, const std::vector<char>& on_shell, const 
 
 /// Number of the connected piece, per triangle.
 std::vector<int> connected_pieces(const SurfaceMesh& mesh) {
-  std::vector<int> piece(at(mesh.size()), -1), open;
-  int count = 0;
-  for (int first = 0; first < mesh.size(); ++first) {
-    if (piece[at(first)] >= 0) continue;
-    piece[at(first)] = count;
-    open = {first};
-    while (!open.empty()) {
-      const int t = open.back();
-      open.pop_back();
-      for (int next : mesh.neighbours[at(t)]) {
-        if (next < 0 || piece[at(next)] >= 0) continue;
-        piece[at(next)] = count;
-        open.push_back(next);
-      }
-    }
-    ++count;
-  }
-  return piece;
+  DisjointSets sets(mesh.triangles.size());
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int next : mesh.neighbours[at(t)])
+      if (next >= 0) sets.join(t, next);
+  return sets.numbers();
 }
 
 /// Per piece: does it look away from the partner? Compared at the closest points, area-weighted; the nearer, the more
@@ -247,11 +197,7 @@ RimFaces faces_at(const ModelParts& parts, int body, const std::unordered_map<in
   };
   RimFaces faces;
   std::vector<int> nodes, face;
-  const auto add = [&] {
-    const int corners = facet_corners(static_cast<int>(face.size()));
-    auto& entry = faces.try_emplace(face_key(face.data(), corners), face, 0).first->second;
-    ++entry.second;
-  };
+  const auto add = [&] { ++faces.try_emplace(face_key(face), face, 0).first->second.second; };
   for (const Domain& d : model.domains) {
     if (d.material < 0 || !parts.rigid[at(d.material)] || is_line(d.shape) ||
         parts.bodies.of_material[at(d.material)] != body)
@@ -324,11 +270,10 @@ std::vector<BareRimEdge> bare_rim(const ModelParts& parts, const Layer& layer) {
   RimFaces faces = faces_at(parts, layer.body, stands_for, on_rim);
   const Surface& surface = model.surfaces[at(layer.surface)];
   for (int f = 0; f < surface.size(); ++f) {  // what is selected does not go on
-    std::vector<int> facet(surface.nodes.begin() + surface.begin[at(f)],
-                           surface.nodes.begin() + surface.begin[at(f) + 1]);
+    std::vector<int> facet = surface.facet(f);
     for (int& node : facet)
       if (const auto found = stands_for.find(node); found != stands_for.end()) node = found->second;
-    faces.erase(face_key(facet.data(), facet_corners(static_cast<int>(facet.size()))));
+    faces.erase(face_key(facet));
   }
   std::unordered_map<int, std::vector<const std::vector<int>*>> at_node;
   for (const auto& entry : faces) {
@@ -354,7 +299,8 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
   surface.facets = carried.facets;
   surface.turned.assign(carried.carriers.size(), 0);
   std::vector<double> areas;
-  for (int f = 0; f < carried.facets.size(); ++f) areas.push_back(facet_area(model, carried.facets, f));
+  for (int f = 0; f < carried.facets.size(); ++f)
+    areas.push_back(0.5 * area_vector(carried.facets.facet(f), model.nodes).norm());
   if (merge) merge_nodes(in, areas, surface);
   if (!carried.on_shells) return surface;
   std::vector<char> on_shell;
@@ -362,10 +308,8 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
   wind_alike(in, on_shell, areas, surface);
   FacetList wound;
   for (int f = 0; f < surface.facets.size(); ++f) {
-    std::vector<int> facet(surface.facets.nodes.begin() + surface.facets.begin[at(f)],
-                           surface.facets.nodes.begin() + surface.facets.begin[at(f) + 1]);
-    if (surface.turned[at(f)]) turn_round(facet);
-    wound.add(facet);
+    const std::vector<int> facet = surface.facets.facet(f);
+    wound.add(surface.turned[at(f)] ? turned_round(facet) : facet);
   }
   surface.facets = std::move(wound);
   return surface;

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "src/base/finding.h"
-#include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <numeric>
 #include <set>
-#include <unordered_map>
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
@@ -21,14 +20,14 @@ constexpr double kLeastShare = 0.01;  // of the surface: a smaller piece is no c
 
 /// Per triangle the piece it belongs to, counted from 0 in the order of the first triangles.
 std::vector<int> pieces_of(const SurfaceMesh& mesh) {
-  DisjointSets sets(mesh.vertices.size());
-  for (const std::array<int, 3>& t : mesh.triangles)
-    for (int k = 1; k < 3; ++k) sets.join(t[0], t[at(k)]);
-  std::unordered_map<int, int> number;
-  std::vector<int> piece;
-  for (const std::array<int, 3>& t : mesh.triangles)
-    piece.push_back(number.try_emplace(sets.root(t[0]), static_cast<int>(number.size())).first->second);
-  return piece;
+  DisjointSets sets(mesh.triangles.size());
+  std::vector<int> first(mesh.vertices.size(), -1);  // triangle at each vertex
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int v : mesh.triangles[at(t)]) {
+      if (first[at(v)] < 0) first[at(v)] = t;
+      sets.join(first[at(v)], t);
+    }
+  return sets.numbers();
 }
 
 /// By the model's part under each; empty: they do not tell them apart.
@@ -127,9 +126,7 @@ void refuse_touching_parts(const ContactSide& in, const Layer& layer) {
   for (int node : layer.region_nodes) regions.insert(in.parts.region[at(node)]);
   if (regions.size() < 2) return;
   const SurfaceMesh& mesh = layer.articular;
-  const double facet =
-      std::sqrt(2 * std::accumulate(mesh.areas.begin(), mesh.areas.end(), 0.0) / std::max(mesh.size(), 1));
-  const double tolerance = 0.01 * facet;
+  const double tolerance = 0.01 * std::sqrt(2 * mean_area(mesh));  // of a facet's size
   const auto pair = nodes_at_one_place(in.parts, layer, tolerance);
   bool touch = pair.has_value();
   for (auto region = regions.begin(); !touch && region != regions.end(); ++region)

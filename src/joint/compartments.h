@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
 

@@ -20,8 +20,12 @@ struct ConnectionsDraft {
   Connections connections;
 };
 
-const std::string& body_name(const ConnectionsDraft& draft, int body) {
-  return draft.parts.bodies.bodies[at(body)].name;
+/// Are both ends on one body? Then it is left out, and that is told. `kind`: what the model calls such a thing.
+bool joins_one_body(ConnectionsDraft& draft, int body_a, int body_b, const char* kind, const std::string& name) {
+  if (body_a != body_b) return false;
+  const std::string& body = draft.parts.bodies.bodies[at(body_a)].name;
+  add_once(draft.findings, {{"joins-one-body", {.body = body}, {{"what", kind}, {"name", name}}}});
+  return true;
 }
 
 /// A point given in reference coordinates, or counted from the body's centre of mass.
@@ -29,15 +33,11 @@ Vector3d reference_point(const ConnectionsDraft& draft, int body, const Vector3d
   return from_center ? Vector3d(draft.parts.bodies.bodies[at(body)].center_of_mass + point) : point;
 }
 
-/// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
+/// Adds it, unless both ends are on one body.
 void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind) {
   const JointModel& model = draft.parts.model;
   l.where = where(model, l.origin);
-  if (l.body_a == l.body_b) {
-    add_once(draft.findings,
-             {{"joins-one-body", {.body = body_name(draft, l.body_a)}, {{"what", kind}, {"name", l.name}}}});
-    return;
-  }
+  if (joins_one_body(draft, l.body_a, l.body_b, kind, l.name)) return;
   const double length = (l.point_b - l.point_a).norm();
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length))
@@ -148,20 +148,11 @@ void add_cables(ConnectionsDraft& draft) {
 void add_connectors(ConnectionsDraft& draft) {
   const ModelParts& parts = draft.parts;
   for (const RigidJoint& j : parts.model.rigid_joints) {
-    Connector c{j, j.type};
-    c.body_a = body_of_material(parts, j.material_a);
-    c.body_b = body_of_material(parts, j.material_b);
-    c.point = j.joint_origin;
-    c.axes = j.axes;
-    c.motion = j.motion;
-    c.value = j.value;
+    Connector c{j, body_of_material(parts, j.material_a), body_of_material(parts, j.material_b)};
     if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
       throw fault_at(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
                      "give two axes that are not parallel");
-    if (c.body_a == c.body_b)
-      add_once(draft.findings,
-               {{"joins-one-body", {.body = body_name(draft, c.body_a)}, {{"what", "joint"}, {"name", c.name}}}});
-    else
+    if (!joins_one_body(draft, c.body_a, c.body_b, "joint", c.name))
       draft.connections.connectors.push_back(std::move(c));
   }
 }

@@ -44,15 +44,11 @@ struct Cable : Condition {
   Vector3d direction = Vector3d::Zero();  ///< unit, fixed in space; zero: the cable ends at its last point
 };
 
-/// Two bodies joined at a point (docs/theory.md, section 4: J1-J4). Columns of `axes`: a frame that both bodies carry,
-/// at `point`, and that coincides in the reference.
-struct Connector : Condition {
-  std::string type;
+/// Two bodies joined at a point (docs/theory.md, section 4: J1-J4), of the joint's two materials. Columns of `axes`: a
+/// frame that both bodies carry, at `joint_origin`, and that coincides in the reference. Motion: of B as seen from A,
+/// along and about A's axes.
+struct Connector : RigidJoint {
   int body_a = -1, body_b = -1;
-  Vector3d point = Vector3d::Zero();                   ///< reference position
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal
-  std::array<RigidJoint::Motion, kDofs> motion = {};   ///< of B as seen from A: along and about A's axes
-  std::array<Scaled, kDofs> value = {};  ///< Prescribed: the motion; Free: force or moment on A, its opposite acts on B
 };
 
 /// A force with a fixed direction at a point of a body.

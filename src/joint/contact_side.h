@@ -1,5 +1,9 @@
-// src/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
+// src/joint/contact_side.h – one side of a contact, as the stages of its recognition see it, and its surface with the
+// elements that carry it.
 #pragma once
+#include <string>
+#include <vector>
+
 #include "src/base/error.h"
 #include "src/facts/given_layer.h"
 #include "src/facts/parts.h"
@@ -33,5 +37,18 @@ NamedSetting setting_of(const ContactSide& in, const char* setting, const char* 
 Sentence modulus_settings(const ContactSide& in);
 /// "primary_thickness": a parameter of a contact of type dea.
 std::string parameter_of(const ContactSide& in, const char* setting);
+
+/// Facets of a surface with their carrying elements, oriented out of them.
+struct CarriedSurface {
+  FacetList facets;
+  std::vector<ElementFace> carriers;  ///< one per facet
+  bool on_shells = false;             ///< a shell has two sides: the surface's own orientation tells which
+  int turned = 0;                     ///< facets that the model winds into their solid element
+};
+/// InputError: a fault of the surface or an element.
+CarriedSurface carry(const ModelParts& parts, int surface);
+
+/// InputError: a solid element is inside out or has no volume.
+void check_volume(const JointModel& model, const Domain& domain, int element);
 
 }  // namespace dea

@@ -11,12 +11,8 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/given_layer.h"
-#include "src/geometry/ray_caster.h"
 #include "src/joint/bare_surface.h"
-#include "src/joint/carried_surface.h"
-#include "src/joint/half_held.h"
-#include "src/joint/left_out.h"
-#include "src/joint/make_layer.h"
+#include "src/joint/layer_findings.h"
 
 namespace dea {
 
@@ -89,14 +85,6 @@ void refuse_doubled(const JointModel& model, const std::vector<ContactPair>& oth
                          o.name, c.name),
                      say("keep one: {}", NamedSetting{"contact", "", o.name}));
   }
-}
-
-// ---- surfaces on shells --------------------------------------------------------------------------------------------
-
-/// A shell surface has two sides: turns it to its partner. Solids know their outside.
-void turn_shells(const ModelParts& parts, ContactPair& pair, Findings& findings) {
-  for (int side = 0; side < 2; ++side)
-    add_once(findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
 }
 
 // ---- one contact ---------------------------------------------------------------------------------------------------
@@ -176,103 +164,6 @@ void refuse_too_auxetic(const JointModel& model, const Contact& c, const Contact
                      say("check its sign, or take {}", NamedSetting{"law", "", "neo-Hookean"}));
 }
 
-/// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
-/// between two planes across one axis, where it has no end, half its width; without an end either way: infinity.
-struct Reach {
-  double half_width = 0.0;
-  bool strip = false;
-};
-
-Reach sideways_reach(const Layer& layer, double same_plane) {
-  const SurfaceMesh& mesh = layer.articular;
-  double area = surface_extent(mesh).area, length = 1.0;
-  int endless = 0;
-  for (int k = 0; k < 3; ++k) {
-    double low = kInfinity, high = -kInfinity;
-    for (std::size_t v = 0; v < layer.mirror.size() && v < mesh.vertices.size(); ++v) {
-      if ((layer.mirror[v] & (1u << k)) == 0) continue;
-      low = std::min(low, mesh.vertices[v][k]);
-      high = std::max(high, mesh.vertices[v][k]);
-    }
-    if (low > high) continue;
-    if (high - low <= 2 * same_plane) {
-      area *= 2;
-    } else {
-      length *= high - low;
-      ++endless;
-    }
-  }
-  if (endless > 1) return {kInfinity, false};
-  return endless == 1 ? Reach{0.5 * area / length, true} : Reach{std::sqrt(area / kPi), false};
-}
-
-/// Springs and the layer law suppose a thin layer.
-Findings not_thin(const std::string& surface, const Layer& layer, double same_plane) {
-  const double thickness = layer.mean_thickness();
-  const Reach reach = sideways_reach(layer, same_plane);
-  if (!(thickness > reach.half_width)) return {};
-  return {{"not-thin",
-           {.surface = surface},
-           {{"thickness", thickness},
-            {"half_width", reach.half_width},
-            {"give_thickness", NamedSetting{"thickness"}},
-            {"give_bone", NamedSetting{"bone"}}},
-           reach.strip ? 0 : 1}};
-}
-
-/// Edges of the rim that count as a plane of symmetry where no such plane was found.
-int walls_alone(const LayerFace& face) {
-  const SurfaceMesh& mesh = face.mesh;
-  int count = 0;
-  for (const LayerFace::Edge& e : face.edges) {
-    if (e.rim != Rim::Wall || e.shared) continue;
-    const auto& tri = mesh.triangles[at(e.triangle)];
-    count +=
-        mesh.planes.empty() || (mesh.planes[at(tri[at(e.edge)])] & mesh.planes[at(tri[at((e.edge + 1) % 3)])]) == 0;
-  }
-  return count;
-}
-
-/// Does the face end there, in a free edge?
-bool free_edge_at(const Layer& layer, const SymmetryPlane& plane, double tolerance) {
-  const SurfaceMesh& mesh = layer.face.mesh;
-  return std::any_of(layer.face.edges.begin(), layer.face.edges.end(), [&](const LayerFace::Edge& e) {
-    return e.rim == Rim::Free && std::abs(mesh.corner(e.triangle, e.edge)[plane.axis] - plane.at) <= tolerance &&
-           std::abs(mesh.corner(e.triangle, (e.edge + 1) % 3)[plane.axis] - plane.at) <= tolerance;
-  });
-}
-
-/// The ends of a layer's part that its user should know of.
-std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
-  std::set<int> regions;
-  for (const int node : layer.region_nodes) regions.insert(parts.region[at(node)]);
-  std::vector<PartEnd> ends;
-  for (const PartEnd& end : parts.holders.ends)
-    if (regions.count(end.region) > 0 && (end.is_plane || free_edge_at(layer, end.plane, parts.holders.same_plane)))
-      ends.push_back(end);
-  return ends;
-}
-
-/// What the user should know of a layer.
-Findings layer_findings(const ModelParts& parts, const Layer& layer) {
-  const Surface& surface = parts.model.surfaces[at(layer.surface)];
-  Findings findings = layer.findings;
-  add_once(findings, rim_findings(surface.name, layer.face));
-  add_once(findings, left_out_findings(surface.name, layer.facet_kinds));
-  if (!layer.compartments.names.empty())
-    findings.push_back({"compartments", {.surface = surface.name}, {{"compartments", layer.compartments.names}}});
-  const std::string shells = layer.material >= 0 ? deformable_shells(parts, surface) : "";
-  if (!shells.empty()) findings.push_back({"shells-left-out", {.surface = surface.name}, {{"shells", shells}}});
-  const int alone = walls_alone(layer.face);
-  if (alone > 0)
-    findings.push_back({"held-edges-in-no-plane",
-                        {.surface = surface.name},
-                        {{"edges", alone}, {"same_plane", parts.holders.same_plane}}});
-  add_once(findings, not_thin(surface.name, layer, parts.holders.same_plane));
-  if (!layer.rigid) add_once(findings, held_findings(parts, layer, ends_of(parts, layer)));
-  return findings;
-}
-
 /// The side whose layer carries the springs.
 int source_of(const ModelParts& parts, const ContactPair& pair) {
   const int body =
@@ -317,7 +208,8 @@ void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found
     return;
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) throw no_cartilage(model, c);
-  turn_shells(parts, pair, found.findings);
+  for (int side = 0; side < 2; ++side)  // a shell surface has two sides
+    add_once(found.findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   refuse_too_thin(model, c, pair);

@@ -10,7 +10,6 @@
 #include "src/base/numbers.h"
 #include "src/geometry/ray_caster.h"
 #include "src/joint/layer_support.h"
-#include "src/joint/left_out.h"
 #include "src/joint/thickness.h"
 
 namespace dea {
@@ -143,8 +142,7 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
         body_of_side(in.parts, *beside.contact, 1 - beside.side) != partner)
       continue;
     const FacetList facets = carry(in.parts, beside.surface).facets;
-    for (int f = 0; f < facets.size(); ++f)
-      list.add({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
+    for (int f = 0; f < facets.size(); ++f) list.add(facets.facet(f));
   }
   return list;
 }
@@ -165,12 +163,9 @@ void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface&
                          kFaceReach * deepest, parts.holders.mirror, in.in_plane, elsewhere);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
-  if (mesh.triangles.size() == triangles) {
-    layer.face.thickness = layer.thickness;
-    return;
-  }
-  if (facets == Facets::Flat) flatten(mesh);
   layer.face.thickness = layer.thickness;
+  if (mesh.triangles.size() == triangles) return;
+  if (facets == Facets::Flat) flatten(mesh);
   // a map says nothing of what is beyond it; where a map replaced the model's own layer (rigid_boundary), the elements
   // are as thick as it says
   if (said == nullptr && (!layer.thickness_given || layer.material < 0)) {

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "src/facts/parts.h"
-#include "src/joint/carried_surface.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/layer.h"
 

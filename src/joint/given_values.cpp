@@ -29,8 +29,6 @@ struct NamedThing {
   int axis = -1;       ///< of a rigid force: 0 x, 1 y, 2 z
 };
 
-Scaled constant(double value) { return {value, -1}; }
-
 void add_springs_between_nodes(const JointModel& model, std::vector<NamedThing>& things) {
   for (const DiscreteSprings& springs : model.discrete_springs) {
     const DiscreteSet& set = model.discrete_sets[at(springs.set)];
@@ -43,11 +41,11 @@ void add_springs_between_nodes(const JointModel& model, std::vector<NamedThing>&
       continue;
     }
     if (springs.force) thing.kind = "spring by a curve";
-    if (!springs.force) thing.numbers.push_back({kStiffness, constant(springs.stiffness)});
+    if (!springs.force) thing.numbers.push_back({kStiffness, Scaled{springs.stiffness}});
     for (const auto& pair : set.pairs) {
       things.push_back(thing);
       things.back().numbers.push_back(
-          {kSlackLength, constant((model.nodes[at(pair[1])] - model.nodes[at(pair[0])]).norm())});
+          {kSlackLength, Scaled{(model.nodes[at(pair[1])] - model.nodes[at(pair[0])]).norm()}});
     }
   }
 }
@@ -57,7 +55,7 @@ std::vector<NamedThing> named_things(const ModelParts& parts) {
   std::vector<NamedThing> things;
   for (const RigidSpring& s : model.rigid_springs) {
     const double length = s.free_length > 0 ? s.free_length : (s.insertion_b - s.insertion_a).norm();
-    things.push_back({{s.name}, "spring", {{kStiffness, constant(s.k)}, {kSlackLength, constant(length)}}});
+    things.push_back({{s.name}, "spring", {{kStiffness, Scaled{s.k}}, {kSlackLength, Scaled{length}}}});
   }
   add_springs_between_nodes(model, things);
   for (const RigidAxialForce& f : model.rigid_axial_forces)
@@ -87,7 +85,6 @@ const Replaceable* number_of(const NamedThing& thing, const std::string& paramet
 struct GivenValue {
   std::string name, parameter;
   double value;
-  NamedSetting setting() const { return {"set", name + "." + parameter, fmt::format("{:g}", value)}; }
 };
 
 std::vector<GivenValue> given_values(const Settings& settings) {
@@ -100,7 +97,10 @@ std::vector<GivenValue> given_values(const Settings& settings) {
 }
 
 [[noreturn]] void refuse(const GivenValue& given, Sentence found, Sentence expected) {
-  throw UsageError(Fault{.given = given.setting(), .found = std::move(found), .expected = std::move(expected)});
+  throw UsageError(
+      Fault{.given = NamedSetting{"set", given.name + "." + given.parameter, fmt::format("{:g}", given.value)},
+            .found = std::move(found),
+            .expected = std::move(expected)});
 }
 
 [[noreturn]] void refuse_name(const std::vector<NamedThing>& things, const GivenValue& given) {
@@ -138,7 +138,7 @@ void check_in_use(const ModelParts& parts, const NamedThing& thing, const GivenV
   if (thing.body < 0) return;
   const Settings& s = parts.settings;
   const auto is_ours = [&](const std::string& name) {
-    return !name.empty() && body_by_name(parts.model, parts.bodies.bodies, name) == thing.body;
+    return names_body(parts.model, parts.bodies.bodies, name, thing.body);
   };
   const std::string& body = parts.bodies.bodies[at(thing.body)].name;
   for (const auto& entry : s.force)

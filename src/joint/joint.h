@@ -10,7 +10,6 @@
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"
-#include "src/joint/unmodelled.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
 

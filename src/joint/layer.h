@@ -14,6 +14,8 @@
 
 namespace dea {
 
+struct ModelParts;
+
 /// An edge of a bare surface's rim: from corner `edge` of a triangle to the next.
 struct BareRimEdge {
   int triangle = -1, edge = -1;
@@ -73,6 +75,11 @@ struct Layer {
   double mean_thickness() const;  ///< area-weighted
   int missed_count() const;
 };
+
+/// The layer under one surface of a contact that has both: 0: primary, 1: secondary. InputError: there is none; what
+/// else is known to be missing follows the first fault. Throws UsageError for a setting of this surface that cannot be
+/// followed.
+Layer make_layer(const ModelParts& parts, const Contact& contact, int side);
 
 /// Vertex of the articular surface at each of its nodes.
 std::unordered_map<int, int> articular_vertices(const Layer& layer);

@@ -1,5 +1,7 @@
 #include "src/joint/layer_face.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,27 +25,6 @@ constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is
 constexpr double kCos45 = 0.70710678118654752;
 constexpr double kCos60 = 0.5;
 
-std::vector<int> facet_nodes(const FacetList& list, int facet) {
-  return {list.nodes.begin() + list.begin[at(facet)], list.nodes.begin() + list.begin[at(facet) + 1]};
-}
-
-FaceKey key_of(const std::vector<int>& facet) {
-  return face_key(facet.data(), facet_corners(static_cast<int>(facet.size())));
-}
-
-std::vector<int> turned_round(std::vector<int> facet) {
-  const auto corners = facet_corners(static_cast<int>(facet.size()));
-  std::reverse(facet.begin() + 1, facet.begin() + corners);
-  if (static_cast<int>(facet.size()) >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
-  return facet;
-}
-
-/// Twice its area, along its normal.
-Vector3d area_vector(const JointModel& model, const std::array<int, 3>& t) {
-  const Vector3d& a = model.nodes[at(t[0])];
-  return (model.nodes[at(t[1])] - a).cross(model.nodes[at(t[2])] - a);
-}
-
 struct FacetShape {
   Vector3d center = Vector3d::Zero(), normal = Vector3d::Zero();  // normal: zero for a facet of no area
   double area = 0.0;
@@ -52,8 +33,8 @@ struct FacetShape {
 FacetShape shape_of(const JointModel& model, const std::vector<int>& facet) {
   FacetShape shape;
   Vector3d sum = Vector3d::Zero();
-  for (const auto& t : split_facet(facet.data(), static_cast<int>(facet.size()), model.nodes)) {
-    const Vector3d v = area_vector(model, t);
+  for (const auto& t : split_facet(facet, model.nodes)) {
+    const Vector3d v = area_vector(t, model.nodes);
     const double area = 0.5 * v.norm();
     shape.center += area / 3.0 * (model.nodes[at(t[0])] + model.nodes[at(t[1])] + model.nodes[at(t[2])]);
     shape.area += area;
@@ -62,39 +43,6 @@ FacetShape shape_of(const JointModel& model, const std::vector<int>& facet) {
   if (shape.area > 0) shape.center /= shape.area;
   if (sum.norm() > 0) shape.normal = sum.normalized();
   return shape;
-}
-
-/// Edges of facets from corner to corner, those of one place together.
-struct FacetEdge {
-  int low, high;    // corner nodes
-  int facet, edge;  // from corner `edge` to the next
-};
-
-std::vector<FacetEdge> facet_edges(const std::vector<std::vector<int>>& facets) {
-  std::vector<FacetEdge> edges;
-  for (int f = 0; f < static_cast<int>(facets.size()); ++f) {
-    const auto& facet = facets[at(f)];
-    const int corners = facet_corners(static_cast<int>(facet.size()));
-    for (int k = 0; k < corners; ++k) {
-      const int a = facet[at(k)], b = facet[at((k + 1) % corners)];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), f, k});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const FacetEdge& a, const FacetEdge& b) {
-    return std::tie(a.low, a.high, a.facet, a.edge) < std::tie(b.low, b.high, b.facet, b.edge);
-  });
-  return edges;
-}
-
-/// Calls f(first, last) for the edges of each place.
-template <class F>
-void for_each_place(const std::vector<FacetEdge>& edges, F f) {
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i;
-    while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
-    f(i, j);
-    i = j;
-  }
 }
 
 /// The pieces of a facet's edge: one, or two at a mid-side node.
@@ -110,10 +58,10 @@ std::vector<std::array<int, 2>> edge_pieces(const std::vector<int>& facet, int e
 Vector3d normal_at_edge(const JointModel& model, const std::vector<int>& facet, int edge) {
   const auto pieces = edge_pieces(facet, edge);
   Vector3d sum = Vector3d::Zero();
-  for (const auto& t : split_facet(facet.data(), static_cast<int>(facet.size()), model.nodes))
+  for (const auto& t : split_facet(facet, model.nodes))
     for (const auto& piece : pieces)
       if (std::count(t.begin(), t.end(), piece[0]) + std::count(t.begin(), t.end(), piece[1]) == 2)
-        sum += area_vector(model, t);
+        sum += area_vector(t, model.nodes);
   return sum.norm() > 0 ? Vector3d(sum.normalized()) : sum;
 }
 
@@ -123,20 +71,15 @@ double turn_cosine(const JointModel& model, const std::vector<std::vector<int>>&
   return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge));
 }
 
-bool smooth(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
-            const FacetEdge& b) {
-  return turn_cosine(model, facets, a, b) > kCos40;
-}
-
 std::vector<std::vector<int>> all_facets(const FacetList& list) {
   std::vector<std::vector<int>> facets;
-  for (int f = 0; f < list.size(); ++f) facets.push_back(facet_nodes(list, f));
+  for (int f = 0; f < list.size(); ++f) facets.push_back(list.facet(f));
   return facets;
 }
 
 std::unordered_map<FaceKey, int, FaceKeyHash> index_of(const FacetList& list) {
   std::unordered_map<FaceKey, int, FaceKeyHash> index;
-  for (int f = 0; f < list.size(); ++f) index.try_emplace(key_of(facet_nodes(list, f)), f);
+  for (int f = 0; f < list.size(); ++f) index.try_emplace(face_key(list.facet(f)), f);
   return index;
 }
 
@@ -178,7 +121,7 @@ LayerBoundary find_layer_boundary(const JointModel& model, const std::vector<Lay
     const int count = static_cast<int>(element_faces(model.domains[at(element.domain)].shape).size());
     for (int face = 0; face < count; ++face) {
       face_nodes(element, face);
-      Found& found = faces[key_of(nodes)];
+      Found& found = faces[face_key(nodes)];
       if (found.count++ == 0) {
         found.element = element;
         found.face = face;
@@ -208,20 +151,20 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
   const auto index = index_of(boundary.faces);
   std::vector<int> both;  // selected and held
   for (int f = 0; f < selected.size(); ++f) {
-    const auto found = index.find(key_of(facet_nodes(selected, f)));
+    const auto found = index.find(face_key(selected.facet(f)));
     if (found != index.end() && boundary.kinds[at(found->second)] == FaceKind::Bonded) both.push_back(found->second);
   }
   if (both.empty()) return;
   std::vector<std::vector<int>> facets;
-  for (int f : both) facets.push_back(facet_nodes(boundary.faces, f));
+  for (int f : both) facets.push_back(boundary.faces.facet(f));
   DisjointSets patches(both.size());
   const std::vector<FacetEdge> edges = facet_edges(facets);
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first + 1; i < last; ++i)
-      if (smooth(model, facets, edges[first], edges[i])) patches.join(edges[first].facet, edges[i].facet);
+      if (turn_cosine(model, facets, edges[first], edges[i]) > kCos40) patches.join(edges[first].facet, edges[i].facet);
   });
   FacetList inwards;
-  for (int f = 0; f < boundary.faces.size(); ++f) inwards.add(turned_round(facet_nodes(boundary.faces, f)));
+  for (int f = 0; f < boundary.faces.size(); ++f) inwards.add(turned_round(boundary.faces.facet(f)));
   const SurfaceMesh mesh = make_surface_mesh(inwards.begin, inwards.nodes, model.nodes);
   const RayCaster caster(mesh);
   std::vector<double> sees_open(both.size(), 0.0);  // per patch: area that looks through the layer at an open face,
@@ -243,7 +186,7 @@ SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundar
                            const std::vector<unsigned char>& node_planes) {
   FacetList bone;
   for (int f = 0; f < boundary.faces.size(); ++f)
-    if (boundary.kinds[at(f)] == FaceKind::Bonded) bone.add(turned_round(facet_nodes(boundary.faces, f)));
+    if (boundary.kinds[at(f)] == FaceKind::Bonded) bone.add(turned_round(boundary.faces.facet(f)));
   return make_surface_mesh(bone.begin, bone.nodes, model.nodes, nullptr, node_planes);
 }
 
@@ -251,8 +194,8 @@ FacetList faces_without(const LayerBoundary& boundary, const FacetList& facets) 
   const auto index = index_of(facets);
   FacetList others;
   for (int f = 0; f < boundary.faces.size(); ++f) {
-    const std::vector<int> face = facet_nodes(boundary.faces, f);
-    if (index.count(key_of(face)) == 0) others.add(face);
+    const std::vector<int> face = boundary.faces.facet(f);
+    if (index.count(face_key(face)) == 0) others.add(face);
   }
   return others;
 }
@@ -315,14 +258,14 @@ void find_side_walls(const JointModel& model, const FacetList& selected, LayerBo
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
       for (std::size_t j = i + 1; j < last; ++j)
-        if (open(edges[i].facet) && open(edges[j].facet) && smooth(model, facets, edges[i], edges[j]))
+        if (open(edges[i].facet) && open(edges[j].facet) && turn_cosine(model, facets, edges[i], edges[j]) > kCos40)
           patches.join(edges[i].facet, edges[j].facet);
   });
   std::vector<double> area(facets.size(), 0.0);  // selected, per patch
   std::vector<char> reaches(facets.size(), 0);
   const auto index = index_of(boundary.faces);
   for (int f = 0; f < selected.size(); ++f) {
-    const auto found = index.find(key_of(facet_nodes(selected, f)));
+    const auto found = index.find(face_key(selected.facet(f)));
     if (found != index.end() && open(found->second))
       area[at(patches.root(found->second))] += shape_of(model, facets[at(found->second)]).area;
   }
@@ -338,10 +281,40 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
   const auto index = index_of(boundary.faces);
   std::vector<FaceKind> kinds;
   for (int f = 0; f < facets.size(); ++f) {
-    const auto found = index.find(key_of(facet_nodes(facets, f)));
+    const auto found = index.find(face_key(facets.facet(f)));
     kinds.push_back(found == index.end() ? FaceKind::Open : boundary.kinds[at(found->second)]);
   }
   return kinds;
+}
+
+FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds) {
+  FacetList kept;
+  for (int f = 0; f < facets.size(); ++f) {
+    const bool keep = kinds.empty() || kinds[at(f)] == FaceKind::Open;
+    kept.add(keep ? facets.facet(f) : std::vector<int>());
+  }
+  return kept;
+}
+
+std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds) {
+  const SurfaceMesh all = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+  std::array<double, 3> area = {0, 0, 0};
+  std::array<long, 3> count = {0, 0, 0};
+  for (int t = 0; t < all.size(); ++t) area[static_cast<std::size_t>(kinds[at(all.facet[at(t)])])] += all.areas[at(t)];
+  for (FaceKind kind : kinds) ++count[static_cast<std::size_t>(kind)];
+  const auto open = static_cast<std::size_t>(FaceKind::Open), bonded = static_cast<std::size_t>(FaceKind::Bonded),
+             wall = static_cast<std::size_t>(FaceKind::SideWall);
+  // a selection closed all round has as much bone side as articular side
+  if (count[open] > 0 && area[wall] <= area[open]) return "";
+  const std::string rest = count[open] == 0
+                               ? "none:"
+                               : fmt::format(
+                                     "{} facets, of less area ({:.3g}) than the side wall ({:.3g}): too little to tell "
+                                     "the articular face by;",
+                                     count[open], area[open], area[wall]);
+  return fmt::format(
+      "{} of its {} facets turn away from the articular face (side wall) and {} are bonded to bone, which leaves {}",
+      count[wall], facets.size(), count[bonded], rest);
 }
 
 namespace {
@@ -370,12 +343,12 @@ Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, c
   m.in_face.assign(m.facets.size(), 0);
   m.in_other = m.in_face;
   for (int f = 0; f < elsewhere.size(); ++f)
-    if (const auto found = index.find(key_of(facet_nodes(elsewhere, f))); found != index.end())
+    if (const auto found = index.find(face_key(elsewhere.facet(f))); found != index.end())
       m.in_other[at(found->second)] = 1;
   for (int f = 0; f < selected.size(); ++f) {
-    const std::vector<int> facet = facet_nodes(selected, f);
+    const std::vector<int> facet = selected.facet(f);
     if (facet.empty()) continue;
-    const auto found = index.find(key_of(facet));
+    const auto found = index.find(face_key(facet));
     if (found != index.end()) {
       m.in_face[at(found->second)] = 1;
       m.facets[at(found->second)] = facet;  // it may have more nodes than its element's face

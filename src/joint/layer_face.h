@@ -2,7 +2,9 @@
 // goes on beyond.
 //
 // Which facets slide and what is beyond their rim is read from the layer's own elements (docs/theory.md, section 2).
+// Lists of facets are oriented out of their elements; a facet may be empty.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "src/geometry/surface_mesh.h"
@@ -38,17 +40,6 @@ struct LayerFace {
   std::vector<double> thickness;  ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;        ///< of one triangle alone, sorted by triangle and edge
   double bevelled = 0.0;          ///< length of the selection's rim where the next face turns by 20 to 65 degrees
-};
-
-/// Node lists into the model's nodes, oriented out of their elements. A facet may be empty.
-struct FacetList {
-  std::vector<int> begin = {0};
-  std::vector<int> nodes;
-  int size() const { return static_cast<int>(begin.size()) - 1; }
-  void add(const std::vector<int>& facet) {
-    nodes.insert(nodes.end(), facet.begin(), facet.end());
-    begin.push_back(static_cast<int>(nodes.size()));
-  }
 };
 
 /// What a face of the layer's elements is.
@@ -94,6 +85,12 @@ void find_side_walls(const JointModel& model, const FacetList& selected, LayerBo
 
 /// Per facet: what it is. Open, if it is no face of the boundary.
 std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& facets);
+
+/// The facets that are Open, the others without nodes; no kinds: all.
+FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds);
+
+/// Why a selection is no articular surface: most of it would be left out. Empty: it is one.
+std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds);
 
 /// How far a face is followed beyond the selection, in greatest thicknesses: beyond, nothing is felt.
 inline constexpr double kFaceReach = 5.0;

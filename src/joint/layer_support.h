@@ -1,12 +1,15 @@
-// src/joint/layer_support.h – what a layer rests on: the parts under its facets, the body it moves with.
+// src/joint/layer_support.h – what a layer rests on and is made of: the parts under its facets, the body it moves with,
+// its modulus.
 #pragma once
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "src/joint/carried_surface.h"
+#include "src/base/finding.h"
 #include "src/joint/contact_side.h"
+#include "src/model/elasticity.h"
 
 namespace dea {
 
@@ -30,12 +33,14 @@ struct Attachment {
 /// UsageError for a body there is not.
 Attachment find_attachment(const ContactSide& in, const Support& support);
 
-/// The elements of the layer's parts.
-struct LayerElements {
-  std::vector<int> nodes;  ///< ascending
-  std::set<int> materials;
-};
-/// InputError: one has no volume.
-LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& regions);
+/// E and nu of a layer that is not rigid, NaN where nothing says them. `material`: of its elements, -1: it has none.
+Elasticity layer_elasticity(const ContactSide& in, int material);
+/// Why a layer cannot have this modulus.
+std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const Elasticity& elasticity);
+
+/// One modulus stands for the whole layer. `under_facets`: material -> facets; `in_part`: all materials of its
+/// deformable part. A little difference is told; another tissue, or a bone that is deformable, is an InputError.
+Findings other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
+                         const std::set<int>& in_part);
 
 }  // namespace dea

@@ -1,4 +1,4 @@
-#include "src/joint/make_layer.h"
+#include "src/joint/layer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,10 @@
 #include "src/base/value_above.h"
 #include "src/geometry/ray_caster.h"
 #include "src/joint/bare_surface.h"
-#include "src/joint/carried_surface.h"
 #include "src/joint/compartments.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/extended_face.h"
-#include "src/joint/layer_material.h"
 #include "src/joint/layer_support.h"
-#include "src/joint/left_out.h"
 #include "src/joint/thickness.h"
 
 namespace dea {
@@ -47,8 +44,7 @@ void refuse_repeated_facet(const ContactSide& in) {
   const Surface& s = in.surface;
   std::map<FaceKey, int> facet_at;
   for (int f = 0; f < s.size(); ++f) {
-    const auto first = facet_at.try_emplace(
-        face_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+    const auto first = facet_at.try_emplace(face_key(s.facet(f)), f);
     if (!first.second)
       throw refusal_of(
           in, say("facets {} and {} are the same; its springs would count twice:", first.first->second + 1, f + 1),
@@ -253,9 +249,16 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
                          LayerDraft& draft) {
   Layer& layer = draft.layer;
   layer.material = support.main_material();
-  LayerElements part = find_layer_elements(in.parts, support.regions);
-  layer.region_nodes = std::move(part.nodes);
-  add_once(layer.findings, other_materials(in, layer.material, support.materials, part.materials));
+  std::set<int> nodes, materials;
+  for (const LayerElement& e : region_elements(in.parts, support.regions)) {
+    const Domain& d = in.parts.model.domains[at(e.domain)];
+    materials.insert(d.material);
+    const int n = nodes_per_element(d.shape);
+    for (int k = 0; k < n; ++k) nodes.insert(d.nodes[at(e.element * n + k)]);
+    check_volume(in.parts.model, d, e.element);
+  }
+  layer.region_nodes.assign(nodes.begin(), nodes.end());
+  add_once(layer.findings, other_materials(in, layer.material, support.materials, materials));
   refuse_soft_support(in, support);
   find_bone(in, carried, support.regions, draft);
   refuse_held_inside(in, support.regions, draft);
@@ -397,12 +400,9 @@ Findings gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
 void refuse_too_thick(const ContactSide& in, const Layer& layer) {
   constexpr double kMostThickness = 1000.0;  // of the surface's width
   if (layer.rigid) return;
-  Vector3d least = layer.articular.vertices.front(), most = least;
-  for (const Vector3d& x : layer.articular.vertices) {
-    least = least.cwiseMin(x);
-    most = most.cwiseMax(x);
-  }
-  const double width = (most - least).norm();
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& x : layer.articular.vertices) box.extend(x);
+  const double width = box.diagonal().norm();
   if (layer.max_thickness() > kMostThickness * width)
     throw refusal_of(in, say("its thickness is {:g}, and the whole surface {:g} across;", layer.max_thickness(), width),
                      "give it in the model's length");

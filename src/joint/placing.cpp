@@ -87,19 +87,13 @@ SphereFit articular_sphere(const Joint& joint, int body, const NamedSetting& giv
   if (surfaces.size() > 1)
     refuse(say("this body has {} articular surfaces, each with a sphere of its own;", surfaces.size()));
   const SphereFit sphere = fit_sphere(layer->articular);
-  switch (roundness(layer->articular, sphere)) {
-    case Roundness::Uneven:
-      refuse(
-          say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
-              "square);",
-              sphere.rms, sphere.radius));
-      break;
-    case Roundness::Flat:  // it has no centre: that of its sphere lies anywhere
-      refuse(say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
-      break;
-    case Roundness::Round:
-      break;
-  }
+  const Roundness shape = roundness(layer->articular, sphere);
+  if (shape == Roundness::Uneven)
+    refuse(
+        say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean square);",
+            sphere.rms, sphere.radius));
+  if (shape == Roundness::Flat)  // it has no centre: that of its sphere lies anywhere
+    refuse(say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
   return sphere;
 }
 
@@ -146,6 +140,9 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
     const int b = joint.body_of(material);
     if (b >= 0) v = start[at(b)].rotation * v;
   };
+  const auto put = [&](int material, bool from_center, Vector3d& x) {
+    from_center ? turn(material, x) : move_point(material, x);
+  };
   for (std::size_t i = 0; i < placed.nodes.size(); ++i) placed.nodes[i] = place(joint.node_body[i], model.nodes[i]);
   for (std::size_t m = 0; m < placed.materials.size(); ++m)
     if (placed.materials[m].center_of_mass) move_point(static_cast<int>(m), *placed.materials[m].center_of_mass);
@@ -155,10 +152,7 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
     move_point(s.material_b, s.insertion_b);
   }
   for (RigidFollower& f : placed.rigid_followers) {
-    if (f.from_center)
-      turn(f.material, f.insertion);
-    else
-      move_point(f.material, f.insertion);
+    put(f.material, f.from_center, f.insertion);
     turn(f.material, f.value);
   }
   for (RigidLoad& l : placed.rigid_loads)
@@ -167,12 +161,11 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
       throw fault_at(model, l.origin, say("load \"{}\" turns with a body that is placed turned;", l.name),
                      "turn its components in the model, or place the body without turning it");
   for (RigidAxialForce& f : placed.rigid_axial_forces) {
-    (f.from_centers ? turn(f.material_a, f.point_a) : move_point(f.material_a, f.point_a));
-    (f.from_centers ? turn(f.material_b, f.point_b) : move_point(f.material_b, f.point_b));
+    put(f.material_a, f.from_centers, f.point_a);
+    put(f.material_b, f.from_centers, f.point_b);
   }
   for (RigidCable& c : placed.rigid_cables)
-    for (RigidCable::Point& p : c.points)
-      (c.from_centers ? turn(p.material, p.position) : move_point(p.material, p.position));
+    for (RigidCable::Point& p : c.points) put(p.material, c.from_centers, p.position);
   for (RigidJoint& j : placed.rigid_joints) {  // its frame goes with body A
     move_point(j.material_a, j.joint_origin);
     const int a = joint.body_of(j.material_a);

@@ -48,16 +48,11 @@ End end_of(const SurfaceMesh& mesh, int axis, bool low, double tolerance) {
   return end;
 }
 
-double facet_of(const Layer& layer) {
-  double area = 0.0;
-  for (double a : layer.articular.areas) area += a;
-  return std::sqrt(2 * area / std::max(1, layer.articular.size()));
-}
-
 }  // namespace
 
 std::vector<SharedEnd> shared_ends(const ContactPair& pair) {
-  const double tolerance = kSamePlane * std::min(facet_of(pair.layers[0]), facet_of(pair.layers[1]));
+  const double tolerance =
+      kSamePlane * std::sqrt(2 * std::min(mean_area(pair.layers[0].articular), mean_area(pair.layers[1].articular)));
   std::vector<SharedEnd> ends;
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool low : {true, false}) {

@@ -14,7 +14,6 @@ struct SharedEnd {
   SymmetryPlane plane;
   double tolerance = 0.0;  ///< vertices nearer to the plane lie in it
   bool symmetry = false;   ///< one of the contact's planes of symmetry; else both have free edges there
-  bool opposite = false;   ///< both surfaces also end together at the other end of this axis: a strip, or two plates
 };
 std::vector<SharedEnd> shared_ends(const ContactPair& pair);
 

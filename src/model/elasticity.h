@@ -10,6 +10,6 @@ struct Elasticity {
 };
 
 /// Confined (aggregate) modulus M = E (1 - nu) / ((1 + nu)(1 - 2 nu)) [MPa]: a thin layer bonded to bone cannot spread.
-double confined_modulus(double E, double nu);
+inline double confined_modulus(double E, double nu) { return E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)); }
 
 }  // namespace dea

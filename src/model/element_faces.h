@@ -16,9 +16,29 @@ int facet_corners(int facet_nodes);
 /// triangle of its distinct corners.
 using FaceKey = std::array<int, 4>;
 FaceKey face_key(const int* nodes, int corners);
+FaceKey face_key(const std::vector<int>& facet);
 struct FaceKeyHash {
   std::size_t operator()(const FaceKey& key) const;
 };
+
+/// The facet's nodes the other way round.
+std::vector<int> turned_round(std::vector<int> facet);
+
+/// Edges of facets from corner to corner.
+struct FacetEdge {
+  int low, high;    ///< corner nodes
+  int facet, edge;  ///< from corner `edge` to the next
+};
+/// Those of one place together.
+std::vector<FacetEdge> facet_edges(const std::vector<std::vector<int>>& facets);
+/// Calls f(first, last) for the edges of each place.
+template <class F>
+void for_each_place(const std::vector<FacetEdge>& edges, F f) {
+  for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
+    while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
+    f(i, j);
+  }
+}
 
 /// The facet cut into triangles of its own nodes, orientation kept. Quadratic facets are split through their
 /// mid-side nodes so that they keep their curvature; a quad (also the inner quad of an 8-node facet and the four
@@ -26,5 +46,10 @@ struct FaceKeyHash {
 /// chooses nothing) at the lowest node number. `facet`: node indices; `positions`: of all nodes of the model. Returns
 /// triples of node indices.
 std::vector<std::array<int, 3>> split_facet(const int* facet, int facet_nodes, const std::vector<Vector3d>& positions);
+std::vector<std::array<int, 3>> split_facet(const std::vector<int>& facet, const std::vector<Vector3d>& positions);
+
+/// Twice the area, along the normal.
+Vector3d area_vector(const std::array<int, 3>& triangle, const std::vector<Vector3d>& positions);
+Vector3d area_vector(const std::vector<int>& facet, const std::vector<Vector3d>& positions);
 
 }  // namespace dea

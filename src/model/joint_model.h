@@ -40,12 +40,20 @@ struct Domain {
 };
 
 /// A list of facets of 3, 4, 6, 7, 8, 9 or 10 nodes. Facet i: nodes[begin[i]] .. nodes[begin[i + 1]].
-struct Surface {
-  std::string name;
+struct FacetList {
   std::vector<int> begin = {0};  ///< facets + 1 entries
   std::vector<int> nodes;        ///< node indices (zero-based)
-  Origin origin;
   int size() const { return static_cast<int>(begin.size()) - 1; }
+  std::vector<int> facet(int i) const { return {nodes.begin() + begin[at(i)], nodes.begin() + begin[at(i) + 1]}; }
+  void add(const std::vector<int>& facet) {
+    nodes.insert(nodes.end(), facet.begin(), facet.end());
+    begin.push_back(static_cast<int>(nodes.size()));
+  }
+};
+
+struct Surface : FacetList {
+  std::string name;
+  Origin origin;
 };
 
 struct NodeSet {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "src/base/decompositions.h"
@@ -55,13 +56,12 @@ struct Spline {
 /// Knots for as many coefficients as breakpoints: inner ones are breakpoints (even order) or halfway between them.
 std::vector<double> knots_of(const std::vector<double>& breaks, int order) {
   const int count = static_cast<int>(breaks.size());
-  const auto at = [&](int i) { return breaks[static_cast<std::size_t>(i)]; };
-  std::vector<double> knots(static_cast<std::size_t>(order), breaks.front());
+  std::vector<double> knots(at(order), breaks.front());
   const int half = order / 2;  // rounded down
   for (int i = order; i < count; ++i) {
-    knots.push_back(order % 2 == 0 ? at(i - half) : (at(i - half) + at(i - 1 - half)) / 2);
+    knots.push_back(order % 2 == 0 ? breaks[at(i - half)] : (breaks[at(i - half)] + breaks[at(i - 1 - half)]) / 2);
   }
-  knots.insert(knots.end(), static_cast<std::size_t>(order), breaks.back());
+  knots.insert(knots.end(), at(order), breaks.back());
   return knots;
 }
 
@@ -74,19 +74,18 @@ int interval_of(const Spline& spline, double t) {
 
 /// The B-splines that are not zero at t: `order` of them, the first with the index interval - order + 1 (Cox, de Boor).
 std::vector<double> basis(const Spline& spline, int interval, double t) {
-  const auto knot = [&](int i) { return spline.knots[static_cast<std::size_t>(i)]; };
-  std::vector<double> b(static_cast<std::size_t>(spline.order), 0.0);
+  const auto knot = [&](int i) { return spline.knots[at(i)]; };
+  std::vector<double> b(at(spline.order), 0.0);
   b[0] = 1.0;
   for (int degree = 1; degree < spline.order; ++degree) {
     double carried = 0.0;
     for (int k = 0; k < degree; ++k) {
       const double right = knot(interval + k + 1), left = knot(interval + k + 1 - degree);
-      const std::size_t at = static_cast<std::size_t>(k);
-      const double share = b[at] / (right - left);
-      b[at] = carried + (right - t) * share;
+      const double share = b[at(k)] / (right - left);
+      b[at(k)] = carried + (right - t) * share;
       carried = (t - left) * share;
     }
-    b[static_cast<std::size_t>(degree)] = carried;
+    b[at(degree)] = carried;
   }
   return b;
 }
@@ -97,7 +96,7 @@ double value_of(const Spline& spline, double t) {
   double sum = 0.0;
   for (int k = 0; k < spline.order; ++k) {
     const int entry = interval - spline.order + 1 + k;
-    sum += b[static_cast<std::size_t>(k)] * spline.coefficients[static_cast<std::size_t>(entry)];
+    sum += b[at(k)] * spline.coefficients[at(entry)];
   }
   return sum;
 }
@@ -111,7 +110,7 @@ void fit(Spline& spline, const Points& points) {
     const int interval = interval_of(spline, points[row][0]);
     const std::vector<double> b = basis(spline, interval, points[row][0]);
     for (int k = 0; k < spline.order; ++k) {
-      entries.emplace_back(static_cast<int>(row), interval - spline.order + 1 + k, b[static_cast<std::size_t>(k)]);
+      entries.emplace_back(static_cast<int>(row), interval - spline.order + 1 + k, b[at(k)]);
     }
     right[static_cast<Eigen::Index>(row)] = points[row][1];
   }
@@ -135,11 +134,11 @@ Spline spline_of(const LoadController& curve) {
   for (int i = 0; i < coefficients; ++i) {
     const double first = points.front()[0], last = points.back()[0];
     const bool at_points = coefficients == count;
-    breaks.push_back(at_points || i == coefficients - 1 ? points[static_cast<std::size_t>(at_points ? i : count - 1)][0]
+    breaks.push_back(at_points || i == coefficients - 1 ? points[at(at_points ? i : count - 1)][0]
                                                         : first + i * (last - first) / (coefficients - 1));
   }
   spline.knots = knots_of(breaks, spline.order);
-  spline.coefficients.assign(static_cast<std::size_t>(coefficients), 0.0);
+  spline.coefficients.assign(at(coefficients), 0.0);
   if (curve.interpolate == Interpolate::ControlPoints) {
     for (std::size_t i = 0; i < points.size(); ++i) spline.coefficients[i] = points[i][1];
   } else {
@@ -155,7 +154,7 @@ double value_inside(const LoadController& curve, double t) {
   if (t == points.back()[0]) return points.back()[1];
   const auto after = std::upper_bound(points.begin(), points.end(), t,
                                       [](double time, const Point& point) { return time < point[0]; });
-  const std::size_t i = static_cast<std::size_t>(after - points.begin());  // points[i-1] <= t < points[i]
+  const std::size_t i = at(after - points.begin());  // points[i-1] <= t < points[i]
   const Point& a = points[i - 1];
   const Point& b = points[i];
   switch (curve.interpolate) {
@@ -164,13 +163,12 @@ double value_inside(const LoadController& curve, double t) {
     case Interpolate::Step:
       return b[1];
     case Interpolate::Smooth:
+    case Interpolate::C2Smooth:  // differs from Smooth in FEBio's derivatives only
       return smooth(points, i, t);
     case Interpolate::SmoothStep: {
       const double w = (t - a[0]) / (b[0] - a[0]);
       return a[1] + (b[1] - a[1]) * w * w * w * (10 - 15 * w + 6 * w * w);
     }
-    case Interpolate::C2Smooth:
-      return smooth(points, i, t);  // differs from Smooth in FEBio's derivatives only
     case Interpolate::CubicSpline:
     case Interpolate::ControlPoints:
     case Interpolate::Approximation:
@@ -212,13 +210,6 @@ double sgn(double x) { return x < 0 ? -1 : 1; }
 double heaviside(double x) { return x > 0 ? 1 : x < 0 ? 0 : 0.5; }
 double unit_step(double x) { return x < 0 ? 0 : 1; }
 double same(double x) { return x; }
-double largest(const double* x, int count) { return *std::max_element(x, x + count); }
-double least(const double* x, int count) { return *std::min_element(x, x + count); }
-double mean(const double* x, int count) {
-  double sum = 0;
-  for (int i = 0; i < count; ++i) sum += x[i];
-  return sum / count;
-}
 
 using Function = double (*)(double);
 
@@ -248,9 +239,9 @@ mu::Parser febio_parser() {
   const std::pair<const char*, double (*)(double, double)> of_two[] = {
       {"atan2", std::atan2}, {"pow", std::pow}, {"mod", std::fmod}};
   for (const auto& function : of_two) parser.DefineFun(function.first, function.second);
-  parser.DefineFun("max", largest);
-  parser.DefineFun("min", least);
-  parser.DefineFun("avg", mean);
+  parser.DefineFun("max", [](const double* x, int count) { return *std::max_element(x, x + count); });
+  parser.DefineFun("min", [](const double* x, int count) { return *std::min_element(x, x + count); });
+  parser.DefineFun("avg", [](const double* x, int count) { return std::accumulate(x, x + count, 0.0) / count; });
   parser.DefineConst("pi", std::numbers::pi);
   parser.DefineConst("e", std::numbers::e);
   parser.DefineConst("gamma", std::numbers::egamma);
@@ -266,9 +257,6 @@ std::string packed(const std::string& expression) {
   return text;
 }
 
-/// muParser's complaint on one line.
-std::string fault_text(const mu::Parser::exception_type& error) { return error.GetMsg(); }
-
 double evaluate(const std::string& expression, const std::string& variable, double t) {
   mu::Parser parser = febio_parser();
   double result = 0.0;
@@ -277,7 +265,7 @@ double evaluate(const std::string& expression, const std::string& variable, doub
     parser.SetExpr(packed(expression));
     result = parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
-    throw InputError(fmt::format("expression \"{}\": {}", expression, fault_text(error)));
+    throw InputError(fmt::format("expression \"{}\": {}", expression, error.GetMsg()));
   }
   if (!std::isfinite(result))
     throw InputError(fmt::format("expression \"{}\" has no finite value at {} = {:g}", expression, variable, t));
@@ -300,7 +288,7 @@ std::string expression_fault(const std::string& expression, const std::vector<st
     parser.Eval(results);
     if (results != 1) return fmt::format("{} values, expected one", results);
   } catch (const mu::Parser::exception_type& error) {
-    return fault_text(error);
+    return error.GetMsg();
   }
   return "";
 }
@@ -329,9 +317,7 @@ double value(const LoadController& curve, double t) {
   const Points& points = curve.points;
   if (points.empty()) return 0.0;
   if (points.size() == 1) return points.front()[1];
-  const double first = points.front()[0];
-  const double last = points.back()[0];
-  const double period = last - first;
+  const double first = points.front()[0], last = points.back()[0], period = last - first;
   if (t >= first && t <= last) return value_inside(curve, t);
   if (period <= 0) return points.front()[1];
   if (curve.extend == Extend::Constant || curve.extend == Extend::Extrapolate) return extrapolate(curve, t);
@@ -350,7 +336,7 @@ bool controllers_have_values(const JointModel& model) {
 
 double value(const JointModel& model, const Scaled& scaled, double t) {
   if (scaled.controller < 0) return scaled.factor;
-  const LoadController& curve = model.controllers.at(static_cast<std::size_t>(scaled.controller));
+  const LoadController& curve = model.controllers.at(at(scaled.controller));
   try {
     return scaled.factor * value(curve, t);
   } catch (const InputError& error) {

@@ -68,27 +68,27 @@ Text need_parameter(Text key) {
   return key;
 }
 
-LoadPoint parse_load_point(Text text) {
-  LoadPoint point;
-  point.sphere_center = lower_case(text) == "sphere-center";
-  if (point.sphere_center) return point;
+/// `expected`: of the whole text, of which `numbers` is the part that is to be a vector.
+Eigen::Vector3d parse_vector_of(Text text, Text numbers, const char* expected,
+                                const std::vector<std::string>& words = {}) {
   try {
-    point.point = parse_vector(text);
+    return parse_vector(numbers);
   } catch (const BadValue&) {
-    throw bad_value(text, "three numbers x,y,z, or sphere-center", {"sphere-center"});
+    throw bad_value(text, expected, words);
   }
-  return point;
+}
+
+LoadPoint parse_load_point(Text text) {
+  if (lower_case(text) == "sphere-center") return {true};
+  return {false, parse_vector_of(text, text, "three numbers x,y,z, or sphere-center", {"sphere-center"})};
 }
 
 TurnPoint parse_turn_point(Text text) {
   const std::string word = lower_case(text);
   if (word == "sphere-center") return {TurnPoint::Kind::SphereCenter};
   if (word == "com") return {TurnPoint::Kind::CenterOfMass};
-  try {
-    return {TurnPoint::Kind::Point, parse_vector(text)};
-  } catch (const BadValue&) {
-    throw bad_value(text, "three numbers x,y,z, sphere-center or com", {"sphere-center", "com"});
-  }
+  return {TurnPoint::Kind::Point,
+          parse_vector_of(text, text, "three numbers x,y,z, sphere-center or com", {"sphere-center", "com"})};
 }
 
 /// "frame:pelvis,z,10" as "frame:pelvis,0,0,1,10".
@@ -124,11 +124,8 @@ struct FramedVector {
 };
 FramedVector parse_framed(Text text) {
   const FramedText framed = split_frame(text);
-  try {
-    return {parse_vector(framed.rest), framed.frame};
-  } catch (const BadValue&) {
-    throw bad_value(text, framed.frame.empty() ? "three numbers x,y,z" : "three numbers: frame:NAME,x,y,z");
-  }
+  const char* expected = framed.frame.empty() ? "three numbers x,y,z" : "three numbers: frame:NAME,x,y,z";
+  return {parse_vector_of(text, framed.rest, expected), framed.frame};
 }
 
 /// "frame:pelvis", or "frame:femur,femur": axes that turn with a body.
@@ -156,11 +153,7 @@ TableFrame parse_frame(Text text) {
   frame.kind = TableFrame::Kind::Axes;
   const std::vector<std::string> axes = split(text, '/');
   if (axes.size() != 3) throw bad_value(text, expected);
-  try {
-    for (int k = 0; k < 3; ++k) frame.axes.col(k) = parse_vector(axes[static_cast<std::size_t>(k)]).normalized();
-  } catch (const BadValue&) {
-    throw bad_value(text, expected);
-  }
+  for (int k = 0; k < 3; ++k) frame.axes.col(k) = parse_vector_of(text, axes[at(k)], expected).normalized();
   const double skew = (frame.axes.transpose() * frame.axes - Eigen::Matrix3d::Identity()).norm();
   // typed to a few digits: made exact below
   if (!(skew < 1e-3) || !(frame.axes.col(0).cross(frame.axes.col(1)).dot(frame.axes.col(2)) > 0))
@@ -205,11 +198,7 @@ void add_once(std::vector<std::string>& names, Text name) {
 
 SettingContent one(SettingItem item) { return item; }
 
-SettingContent word_or_nothing(Text word) {
-  SettingItem item;
-  if (!word.empty()) item = word;
-  return item;
-}
+SettingContent word_or_nothing(Text word) { return word.empty() ? SettingItem() : SettingItem(word); }
 
 template <class Word>
 SettingContent word_or_nothing(const std::optional<Word>& word) {
@@ -218,13 +207,18 @@ SettingContent word_or_nothing(const std::optional<Word>& word) {
 
 template <class Number>
 SettingContent number_or_nothing(const std::optional<Number>& number) {
-  SettingItem item;
-  if (number) item = *number;
-  return item;
+  return number ? SettingItem(*number) : SettingItem();
+}
+
+std::string axes_text(const Eigen::Matrix3d& axes) {
+  std::string text;
+  for (int k = 0; k < 3; ++k) text += fmt::format("{}{},{},{}", k ? "/" : "", axes(0, k), axes(1, k), axes(2, k));
+  return text;
 }
 
 SettingItem item_of(Text word) { return word; }
 SettingItem item_of(double number) { return number; }
+SettingItem item_of(const Eigen::Matrix3d& axes) { return axes_text(axes); }
 SettingItem item_of(const NodeThickness& thickness) { return thickness.file; }
 SettingItem item_of(const LoadPoint& load_at) {
   if (load_at.sphere_center) return std::string("sphere-center");
@@ -264,24 +258,12 @@ SettingContent placements_of(const Settings& settings, Placement::Kind kind) {
   return one(all);
 }
 
-std::string axes_text(const Eigen::Matrix3d& axes) {
-  std::string text;
-  for (int k = 0; k < 3; ++k) text += fmt::format("{}{},{},{}", k ? "/" : "", axes(0, k), axes(1, k), axes(2, k));
-  return text;
-}
-
 SettingContent frame_of(const TableFrame& frame) {
   if (frame.kind == TableFrame::Kind::Global) return one(std::string("global"));
   if (frame.kind == TableFrame::Kind::Body) return one(frame.body);
   if (frame.kind == TableFrame::Kind::Named)
     return one(fmt::format("frame:{}{}", frame.frame, frame.body.empty() ? "" : "," + frame.body));
   return one(axes_text(frame.axes));
-}
-
-SettingContent frames_of(const Settings& settings) {
-  std::map<std::string, SettingItem> items;
-  for (const auto& entry : settings.frames) items[entry.first] = axes_text(entry.second);
-  return items;
 }
 
 /// Numbers; along a frame's axes: "frame:pelvis,1,2,3".
@@ -483,7 +465,7 @@ std::vector<SettingOption> all_options() {
          if (key.find(',') != std::string::npos) throw bad_value(key, "a frame's name without a comma");
          s.frames[key] = parse_axes(text);
        },
-       frames_of},
+       [](const S& s) { return by_name(s.frames); }},
   };
 }
 

@@ -118,14 +118,15 @@ std::vector<double> facet_areas(const ResultSurface& s, const FacetMask& mask) {
   return areas;
 }
 
-std::vector<double> facet_average(const ResultSurface& s, const std::vector<double>& vertex_values) {
-  std::vector<double> out(at(s.facets()), 0.0);
-  for (int t = 0; t < s.mesh.size(); ++t) {
+std::vector<double> facet_average(const SurfaceMesh& mesh, const std::vector<double>& areas,
+                                  const std::vector<double>& vertex_values) {
+  std::vector<double> out(areas.size(), 0.0);
+  for (int t = 0; t < mesh.size(); ++t) {
     double mean = 0.0;
-    for (int v : s.mesh.triangles[at(t)]) mean += vertex_values[at(v)] / 3.0;
-    out[at(s.mesh.facet[at(t)])] += s.mesh.areas[at(t)] * mean;
+    for (int v : mesh.triangles[at(t)]) mean += vertex_values[at(v)] / 3.0;
+    out[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mean;
   }
-  for (std::size_t f = 0; f < out.size(); ++f) out[f] = s.facet_areas[f] > 0 ? out[f] / s.facet_areas[f] : 0.0;
+  for (std::size_t f = 0; f < out.size(); ++f) out[f] = areas[f] > 0 ? out[f] / areas[f] : 0.0;
   return out;
 }
 

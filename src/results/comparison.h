@@ -45,7 +45,11 @@ std::vector<double> nodal_areas(const ResultSurface& surface, const FacetMask& m
 /// Per facet its area, 0 outside `mask`.
 std::vector<double> facet_areas(const ResultSurface& surface, const FacetMask& mask = {});
 /// Per facet the mean of values given per vertex, interpolated linearly.
-std::vector<double> facet_average(const ResultSurface& surface, const std::vector<double>& vertex_values);
+std::vector<double> facet_average(const SurfaceMesh& mesh, const std::vector<double>& facet_areas,
+                                  const std::vector<double>& vertex_values);
+inline std::vector<double> facet_average(const ResultSurface& surface, const std::vector<double>& vertex_values) {
+  return facet_average(surface.mesh, surface.facet_areas, vertex_values);
+}
 
 /// How the values above a threshold are distributed; all but `area` NaN where there are none. Percentiles are
 /// area-weighted (weighted_percentile in percentile.h).

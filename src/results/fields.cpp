@@ -80,42 +80,38 @@ std::vector<double> vertex_average(const FieldMaps::LayerMap& map, const std::ve
   return out;
 }
 
-/// Value per facet from values per vertex: mean over the facet of the linear interpolation.
-std::vector<double> facet_average(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map,
-                                  const std::vector<double>& vertex) {
-  std::vector<double> out(at(mesh.facets), 0.0);
-  for (int t = 0; t < mesh.size(); ++t) {
-    double mean = 0.0;
-    for (int v : mesh.triangles[at(t)]) mean += vertex[at(v)] / 3.0;
-    out[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mean;
+/// Values per triangle or per vertex of one side.
+struct SideValues {
+  std::vector<double> pressure, overlap, strain, shortening;
+  explicit SideValues(std::size_t size)
+      : pressure(size, 0.0), overlap(pressure), strain(pressure), shortening(pressure) {}
+  /// A share of what a spring has. `t`: the layer's thickness there.
+  void add(std::size_t i, double share, double p, double overlap_there, double strain_there, double t) {
+    pressure[i] += share * p;
+    overlap[i] += share * overlap_there;
+    strain[i] += share * strain_there;
+    shortening[i] += share * strain_there * t;
   }
-  for (std::size_t f = 0; f < out.size(); ++f) out[f] = map.facet_area[f] > 0 ? out[f] / map.facet_area[f] : 0.0;
-  return out;
-}
+};
 
 /// Averages of spring values over the triangles of the surface they stand on, area-weighted (uncovered parts count as
 /// 0).
 struct SpringAverages {
-  std::vector<double> pressure, overlap, strain, shortening;  // per triangle
-  std::vector<double> target_strain, target_shortening;       // the target's share
-  std::vector<double> gap;                                    // NaN where no spring of the triangle hit
+  SideValues source;
+  std::vector<double> target_strain, target_shortening;  // the target's share
+  std::vector<double> gap;                               // NaN where no spring of the triangle hit
 };
 
 SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
   const SurfaceMesh& mesh = bed.pair.source_layer().spring_surface();
   const std::size_t n = mesh.triangles.size();
-  SpringAverages a;
-  a.pressure.assign(n, 0.0);
-  a.overlap = a.strain = a.shortening = a.target_strain = a.target_shortening = a.pressure;
-  a.gap.assign(n, 0.0);
-  std::vector<double> hit(n, 0.0);
+  const std::vector<double> zero(n, 0.0);
+  SpringAverages a{SideValues(n), zero, zero, zero};
+  std::vector<double> hit(zero);
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i), t = at(bed.springs.surface_triangle[k]);
     const double share = s.area[k] / mesh.areas[t];
-    a.pressure[t] += share * s.pressure[k];
-    a.overlap[t] += share * s.overlap[k];
-    a.strain[t] += share * s.strain_source[k];
-    a.shortening[t] += share * s.strain_source[k] * s.t_source[k];
+    a.source.add(t, share, s.pressure[k], s.overlap[k], s.strain_source[k], s.t_source[k]);
     a.target_strain[t] += share * s.strain_target[k];
     a.target_shortening[t] += share * s.strain_target[k] * s.t_target[k];
     if (s.triangle[k] >= 0) {  // also where the target is passed too deep: that is no gap
@@ -146,12 +142,6 @@ std::vector<double> triangles_to_vertices(const SurfaceMesh& mesh, const std::ve
   }
   for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = area[v] > 0 ? sum[v] / area[v] : 0.0;
   return sum;
-}
-
-double mean_facet_size(const SurfaceMesh& mesh) {
-  double area = 0.0;
-  for (double a : mesh.areas) area += a;
-  return std::sqrt(area / std::max(1, mesh.size()));
 }
 
 /// Barycentric weights of the centroids of the divide^2 equal parts of a triangle.
@@ -211,20 +201,13 @@ SpringStates inactive_springs(const SpringBed& bed, const Pose& source, const Po
   return s;
 }
 
-/// Values per triangle or per vertex of one side.
-struct SideValues {
-  std::vector<double> pressure, overlap, strain, shortening;
-};
-
-/// Springs on the articular surface: the source's facets carry their springs' force.
-void source_by_facets(const ContactAt& c, const SpringAverages& averages, SideFields& on_source) {
-  const SurfaceMesh& mesh = c.layer(c.source()).articular;
-  const FieldMaps::LayerMap& map = c.map.layers[c.source()];
-  on_source.pressure = triangles_to_facets(mesh, map, averages.pressure);
-  on_source.overlap = triangles_to_facets(mesh, map, averages.overlap);
-  on_source.strain = triangles_to_facets(mesh, map, averages.strain);
-  on_source.vertex_shortening = triangles_to_vertices(mesh, averages.shortening);
-  on_source.vertex_pressure = vertex_average(map, on_source.pressure);
+/// From values per triangle: of the source's articular springs, whose force its facets carry, or of the target.
+void fill_side(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map, const SideValues& v, SideFields& side) {
+  side.pressure = triangles_to_facets(mesh, map, v.pressure);
+  side.overlap = triangles_to_facets(mesh, map, v.overlap);
+  side.strain = triangles_to_facets(mesh, map, v.strain);
+  side.vertex_shortening = triangles_to_vertices(mesh, v.shortening);
+  side.vertex_pressure = vertex_average(map, side.pressure);
 }
 
 /// Springs at the bone: closest-point projection with linear interpolation [Abraham et al. 2013, 2.4]. Returns what the
@@ -240,13 +223,16 @@ SideValues source_by_projection(const ContactAt& c, const SpringAverages& averag
     for (std::size_t v = 0; v < out.size(); ++v) out[v] = interpolate(bone, bone_vertex, map.articular_to_bone[v]);
     return out;
   };
-  SideValues shown{project(averages.pressure), project(averages.overlap), project(averages.target_strain),
-                   project(averages.target_shortening)};
+  SideValues shown(0);
+  shown.pressure = project(averages.source.pressure);
+  shown.overlap = project(averages.source.overlap);
+  shown.strain = project(averages.target_strain);
+  shown.shortening = project(averages.target_shortening);
   on_source.vertex_pressure = shown.pressure;
-  on_source.vertex_shortening = project(averages.shortening);
-  on_source.pressure = facet_average(source.articular, map, shown.pressure);
-  on_source.overlap = facet_average(source.articular, map, shown.overlap);
-  on_source.strain = facet_average(source.articular, map, project(averages.strain));
+  on_source.vertex_shortening = project(averages.source.shortening);
+  on_source.pressure = facet_average(source.articular, map.facet_area, shown.pressure);
+  on_source.overlap = facet_average(source.articular, map.facet_area, shown.overlap);
+  on_source.strain = facet_average(source.articular, map.facet_area, project(averages.source.strain));
   return shown;
 }
 
@@ -307,17 +293,12 @@ std::vector<double> space_of_springs(const ContactAt& c, std::vector<double> gap
   return gap;
 }
 
-SideValues no_values(const SurfaceMesh& mesh) {
-  const std::vector<double> zero(mesh.triangles.size(), 0.0);
-  return {zero, zero, zero, zero};
-}
-
 /// Per triangle of the target, law layer: each foot's share of every triangle that lies under it (L8).
 SideValues target_by_parts(const ContactAt& c) {
   const SurfaceMesh& mesh = c.layer(c.target()).articular;
   const RelativePose relative = c.on_target();
   const SpringStates& s = c.states;
-  SideValues v = no_values(mesh);
+  SideValues v(mesh.triangles.size());
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i);
     if (!(s.pressure[k] > 0) && !(s.overlap[k] > 0)) continue;
@@ -327,10 +308,7 @@ SideValues target_by_parts(const ContactAt& c) {
     for (const SurfacePart& part : under) {
       const auto triangle = at(part.triangle);
       const double share = covered > 0 ? part.area / covered * s.area[k] / mesh.areas[triangle] : 0.0;
-      v.pressure[triangle] += share * s.pressure[k];
-      v.overlap[triangle] += share * s.overlap[k];
-      v.strain[triangle] += share * s.strain_target[k];
-      v.shortening[triangle] += share * s.strain_target[k] * s.t_target[k];
+      v.add(triangle, share, s.pressure[k], s.overlap[k], s.strain_target[k], s.t_target[k]);
     }
   }
   return v;
@@ -339,7 +317,7 @@ SideValues target_by_parts(const ContactAt& c) {
 /// Per triangle of the target: the source's values where the target's normals meet it.
 SideValues target_by_interpolation(const ContactAt& c, const JointSpace& space, const SideValues& shown) {
   const SurfaceMesh& source = c.layer(c.source()).articular;
-  SideValues v = no_values(c.layer(c.target()).articular);
+  SideValues v(c.layer(c.target()).articular.triangles.size());
   const double share = 1.0 / static_cast<double>(space.parts.size());
   for (std::size_t i = 0; i < space.feet.size(); ++i) {
     if (space.feet[i].triangle < 0) continue;
@@ -355,7 +333,7 @@ SideValues target_by_interpolation(const ContactAt& c, const JointSpace& space, 
 /// Per triangle of the target: the law at its own overlap; nothing of the source's facets is smeared over it.
 SideValues target_by_law(const ContactAt& c, const JointSpace& space) {
   const Layer &source = c.layer(c.source()), &target = c.layer(c.target());
-  SideValues v = no_values(target.articular);
+  SideValues v(target.articular.triangles.size());
   const double share = 1.0 / static_cast<double>(space.parts.size());
   for (std::size_t i = 0; i < space.feet.size(); ++i) {
     if (space.feet[i].triangle < 0 || !(space.gaps[i] < 0)) continue;
@@ -366,23 +344,9 @@ SideValues target_by_law(const ContactAt& c, const JointSpace& space) {
     if (space.gaps[i] <= -(t_s + t_t)) continue;
     const SpringResponse r = spring_response(c.bed.pair.law, source.elasticity, target.elasticity, t_s, t_t,
                                              -space.gaps[i], c.bed.pair.interface_compliance);
-    v.pressure[triangle] += share * r.pressure;
-    v.overlap[triangle] -= share * space.gaps[i];
-    v.strain[triangle] += share * r.strain_target;
-    v.shortening[triangle] += share * r.strain_target * t_t;
+    v.add(triangle, share, r.pressure, -space.gaps[i], r.strain_target, t_t);
   }
   return v;
-}
-
-void fill_target(const ContactAt& c, const JointSpace& space, const SideValues& v, SideFields& on_target) {
-  const SurfaceMesh& mesh = c.layer(c.target()).articular;
-  const FieldMaps::LayerMap& map = c.map.layers[c.target()];
-  on_target.joint_space = triangles_to_facets(mesh, map, space.along);
-  on_target.pressure = triangles_to_facets(mesh, map, v.pressure);
-  on_target.overlap = triangles_to_facets(mesh, map, v.overlap);
-  on_target.strain = triangles_to_facets(mesh, map, v.strain);
-  on_target.vertex_shortening = triangles_to_vertices(mesh, v.shortening);
-  on_target.vertex_pressure = vertex_average(map, on_target.pressure);
 }
 
 /// `force`: of the contact on the target. `active`: in this step.
@@ -395,26 +359,27 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
   on_source.springs = true;
   const SpringAverages averages = average_springs(c.bed, c.states);
   const bool articular = source.springs_at == SpringsAt::Articular;
-  SideValues shown;
+  SideValues shown(0);
   if (articular)
-    source_by_facets(c, averages, on_source);
+    fill_side(source.articular, c.map.layers[c.source()], averages.source, on_source);
   else
     shown = source_by_projection(c, averages, on_source);
   on_source.joint_space =
       triangles_to_facets(source.articular, c.map.layers[c.source()],
                           articular ? space_of_springs(c, averages.gap) : joint_space(c, c.source(), 1).along);
 
-  const int divide = std::clamp(
-      static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+  const double ratio = std::sqrt(mean_area(target.articular)) / std::sqrt(mean_area(source.articular));
+  const int divide = std::clamp(static_cast<int>(std::ceil(ratio - 0.5)), 1, 8);
   const JointSpace space = joint_space(c, c.target(), divide);
-  SideValues on_triangles = no_values(target.articular);
+  SideValues on_triangles(target.articular.triangles.size());
   if (c.bed.pair.law == Law::Layer)
     on_triangles = target_by_parts(c);
   else if (!articular)
     on_triangles = target_by_interpolation(c, space, shown);
   else if (active)
     on_triangles = target_by_law(c, space);
-  fill_target(c, space, on_triangles, on_target);
+  on_target.joint_space = triangles_to_facets(target.articular, c.map.layers[c.target()], space.along);
+  fill_side(target.articular, c.map.layers[c.target()], on_triangles, on_target);
 
   finish_side(on_source, source.articular, c.map.layers[c.source()], c.source_pose);
   finish_side(on_target, target.articular, c.map.layers[c.target()], c.target_pose);

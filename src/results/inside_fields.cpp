@@ -6,14 +6,112 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/base/say.h"
 #include "src/facts/bodies.h"
+#include "src/geometry/ray_caster.h"
 #include "src/model/element_columns.h"
 
 namespace dea {
 
+std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points) {
+  constexpr double kFar = 1.5;  // of the thickness: bone and face together are further than through the layer
+  const RayCaster face(layer.face.mesh), bone(layer.bone);
+  const bool no_bone = layer.bone.vertices == layer.articular.vertices;
+  std::vector<InsidePlace> places(points.size());
+  parallel_for(points.size(), [&](std::size_t i) {
+    const Vector3d& x = points[i];
+    const SurfacePoint above = face.closest(x);
+    const Vector3d foot = position(layer.face.mesh, above);
+    const double to_face = (foot - x).norm(), thickness = interpolate(layer.face.mesh, layer.face.thickness, above);
+    if (no_bone) {
+      if (thickness > 0 && to_face <= kFar * thickness)
+        places[i] = inside_place(mesh, above.triangle, above.weights, std::max(0.0, 1 - to_face / thickness));
+      return;
+    }
+    const double to_bone = (position(layer.bone, bone.closest(x)) - x).norm(), between = to_face + to_bone,
+                 through = (position(layer.bone, bone.closest(foot)) - foot).norm();
+    if (!(between > 0) || between > kFar * std::max(through, thickness)) return;
+    places[i] = inside_place(mesh, above.triangle, above.weights, to_bone / between);
+  });
+  return places;
+}
+
+InsideState turned(InsideState state, const Eigen::Matrix3d& rotation) {
+  state.normal = rotation * state.normal;
+  state.shear = rotation * state.shear;
+  state.stress = rotation * state.stress * rotation.transpose();
+  return state;
+}
+
+InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideMeasures>& measured,
+                                   const std::vector<char>& among) {
+  std::vector<double> shear, first, third, area;
+  for (std::size_t v = 0; v < measured.size(); ++v) {
+    if (!among.empty() && !among[v]) continue;
+    if (!(inside.value(static_cast<Eigen::Index>(v), 0) > 0)) continue;
+    const InsideMeasures& m = measured[v];
+    shear.push_back(m.max_shear);
+    first.push_back(m.first_strain);
+    third.push_back(m.third_strain);
+    area.push_back(inside.layer->mesh.mesh.vertex_areas[v]);
+  }
+  return {inside_distribution(shear, area, false), inside_distribution(first, area, false),
+          inside_distribution(third, area, true)};
+}
+
 namespace {
+
+InsideMap make_inside_map(const SpringBed& bed) {
+  InsideMap map;
+  map.layers = bed.layers;
+  if (!map.layers) return map;
+  for (const int side : {0, 1}) {
+    const std::optional<LayerOperator>& layer = side == bed.pair.source ? map.layers->source : map.layers->target;
+    if (!layer || layer->law.terms < 2) continue;
+    map.sides[side] = {&*layer, inside_shape(*layer), make_depth_laws(layer->elasticity.nu)};
+  }
+  return map;
+}
+
+/// Both layers of a contact under its pressures, of the bed at its poses; empty as InsideMap::Side::layer. Frame of
+/// each: the layer's reference configuration. `map` must outlive the result. States without springs (a contact that is
+/// not active) have no pressure anywhere.
+std::array<std::optional<InsideLayer>, 2> look_inside(const InsideMap& map, const SpringBed& bed,
+                                                      const SpringStates& states, const Pose& source_pose,
+                                                      const Pose& target_pose) {
+  std::array<std::optional<InsideLayer>, 2> contact;
+  SpringStates pressed = states;  // of the others nobody asks what they would press
+  for (int i = 0; i < pressed.size(); ++i)
+    if (!(pressed.pressure[at(i)] > 0)) pressed.triangle[at(i)] = -1;
+  const Eigen::VectorXd pressure = Eigen::Map<const Eigen::VectorXd>(states.pressure.data(), states.size());
+  const auto look = [&](int side) {
+    const InsideMap::Side& of = map.sides[side];
+    if (of.layer == nullptr) return;
+    LayerFeet feet;
+    if (states.size() > 0)
+      feet = side == bed.pair.source ? feet_on_source(*map.layers, states)
+                                     : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
+                                                      *std::max_element(states.overlap.begin(), states.overlap.end()));
+    contact[at(side)] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
+  };
+  parallel_for(2, look);
+  return contact;
+}
+
+/// At each place; NaN throughout where a place has no triangle.
+std::vector<InsideState> states_inside(const InsideLayer& inside, const std::vector<InsidePlace>& places) {
+  InsideState none;
+  none.normal = none.shear = Vector3d::Constant(kNaN);
+  none.pressure = kNaN;
+  none.stress = none.strain = Eigen::Matrix3d::Constant(kNaN);
+  std::vector<InsideState> states(places.size(), none);
+  parallel_for(places.size(), [&](std::size_t i) {
+    if (places[i].triangle >= 0) states[i] = state_inside(inside, places[i], StrainMeasure::Large);
+  });
+  return states;
+}
 
 /// Elements that fields are given for, with what is asked of them again and again.
 struct SolidElements {
@@ -128,29 +226,6 @@ void leave_to_the_nearest(const SolidElements& solid, InsideMaps& maps) {
 
 SymmetricTensor packed(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(1, 2), m(0, 2)}; }
 
-/// Means over the facets of what is linear in each triangle of the layer's mesh.
-class FacetMeans {
- public:
-  FacetMeans(const Layer& layer, const LayerMesh& mesh) : layer_(layer), mesh_(mesh) {}
-  std::vector<double> of(const std::vector<double>& vertex) const {
-    const int parts = mesh_.divide * mesh_.divide;
-    std::vector<double> sum(at(layer_.articular.facets), 0.0), area(sum.size(), 0.0);
-    for (int t = 0; t < mesh_.pressed; ++t) {
-      double mean = 0.0;
-      for (int v : mesh_.mesh.triangles[at(t)]) mean += vertex[at(v)] / 3;
-      const auto facet = at(layer_.articular.facet[at(t / parts)]);
-      sum[facet] += mesh_.mesh.areas[at(t)] * mean;
-      area[facet] += mesh_.mesh.areas[at(t)];
-    }
-    for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
-    return sum;
-  }
-
- private:
-  const Layer& layer_;
-  const LayerMesh& mesh_;
-};
-
 std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height) {
   const std::vector<InsideState> states = states_at_height(inside, height, StrainMeasure::Large);
   std::vector<InsideMeasures> measured(states.size());
@@ -158,14 +233,19 @@ std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height
   return measured;
 }
 
-InsideFacets facets_at(const FacetMeans& means, const std::vector<InsideMeasures>& measured) {
-  std::vector<double> shear, first, third;
-  for (const InsideMeasures& m : measured) {
-    shear.push_back(m.max_shear);
-    first.push_back(m.first_strain);
-    third.push_back(m.third_strain);
+/// Means over the facets of what is linear in each triangle of the layer's mesh.
+std::vector<double> facet_means(const Layer& layer, const LayerMesh& mesh, const std::vector<InsideMeasures>& measured,
+                                double InsideMeasures::*measure) {
+  std::vector<double> sum(at(layer.articular.facets), 0.0), area(sum.size(), 0.0);
+  for (int t = 0; t < mesh.pressed; ++t) {
+    double mean = 0.0;
+    for (int v : mesh.mesh.triangles[at(t)]) mean += measured[at(v)].*measure / 3;
+    const auto facet = at(layer.articular.facet[at(t / (mesh.divide * mesh.divide))]);
+    sum[facet] += mesh.mesh.areas[at(t)] * mean;
+    area[facet] += mesh.mesh.areas[at(t)];
   }
-  return {means.of(shear), means.of(first), means.of(third)};
+  for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
+  return sum;
 }
 
 /// Per vertex of the layer's mesh: whether it belongs to compartment `c`.
@@ -179,7 +259,7 @@ std::vector<char> vertices_of_compartment(const Layer& layer, const LayerMesh& m
 
 /// Where the greatest of these is. `among`: per vertex; empty: all.
 bool peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeasures>& bone,
-                         const std::vector<char>& among = {}) {
+                         const std::vector<char>& among) {
   const LayerMesh& mesh = inside.layer->mesh;
   std::size_t peak = bone.size();
   for (std::size_t v = 0; v < bone.size(); ++v) {
@@ -191,18 +271,18 @@ bool peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeas
 
 InsideSide side_results(const Layer& layer, const InsideLayer& inside) {
   const LayerMesh& mesh = inside.layer->mesh;
-  const FacetMeans means(layer, mesh);
   const std::vector<InsideMeasures> bone = measures_at(inside, 0), surface = measures_at(inside, 1);
-  InsideSide side;
-  side.numbers = {inside_statistics(inside, bone), inside_statistics(inside, surface),
-                  peak_near_free_edge(inside, bone)};
-  for (int c = 0; c < layer.compartments.size(); ++c) {
-    const std::vector<char> among = vertices_of_compartment(layer, mesh, c);
-    side.compartments.push_back({inside_statistics(inside, bone, among), inside_statistics(inside, surface, among),
-                                 peak_near_free_edge(inside, bone, among)});
-  }
-  side.bone = facets_at(means, bone);
-  side.surface = facets_at(means, surface);
+  const auto ends = [&](const std::vector<char>& among) -> InsideEnds {
+    return {inside_statistics(inside, bone, among), inside_statistics(inside, surface, among),
+            peak_near_free_edge(inside, bone, among)};
+  };
+  InsideSide side{ends({}), {}, {}};
+  for (int c = 0; c < layer.compartments.size(); ++c)
+    side.compartments.push_back(ends(vertices_of_compartment(layer, mesh, c)));
+  for (const auto* measured : {&bone, &surface})
+    for (const auto measure :
+         {&InsideMeasures::max_shear, &InsideMeasures::first_strain, &InsideMeasures::third_strain})
+      side.facets.push_back(facet_means(layer, mesh, *measured, measure));
   return side;
 }
 
@@ -278,16 +358,16 @@ InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const S
   ShownElements shown(maps.elements);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const SpringBed& bed = beds.beds[c];
-    const InsideContact contact =
+    const auto contact =
         look_inside(maps.contacts[c], bed, e.springs[c], e.poses[at(bed.source_body)], e.poses[at(bed.target_body)]);
     results.contacts.emplace_back();
     for (const int side : {0, 1}) {
-      if (!contact.sides[side]) continue;
-      const InsideLayer& inside = *contact.sides[side];
+      if (!contact[at(side)]) continue;
+      const InsideLayer& inside = *contact[at(side)];
       const Layer& layer = joint.contacts[c].layers[side];
       const InsideElements& of = maps.placed[c][at(side)];
       results.contacts[c][at(side)] = side_results(layer, inside);
-      shown.show(of, states_inside(inside, of.places, StrainMeasure::Large), e.poses[at(layer.body)].rotation);
+      shown.show(of, states_inside(inside, of.places), e.poses[at(layer.body)].rotation);
     }
   }
   for (std::size_t d = 0; d < maps.domains.size(); ++d) {

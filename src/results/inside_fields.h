@@ -2,17 +2,45 @@
 // on its surfaces, as numbers. docs/layer_law.md, section 8.
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/equilibrium/equilibrium.h"
-#include "src/results/inside.h"
+#include "src/joint/layer.h"
 #include "src/results/inside_numbers.h"
+#include "src/springs/layer_bed.h"
+#include "src/springs/layer_inside.h"
 
 namespace dea {
+
+/// Places in a layer of points of its reference configuration, such as its elements' centroids: below the closest point
+/// of its face, at the height that the distances from bone and face tell; where the bone is not known, the depth below
+/// the face over the thickness. Points that lie far beside the face have triangle -1.
+std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points);
+
+/// As FEBio's plot files have it: stress, normal and shear in current global axes; Lagrange strain stays in the axes of
+/// the reference.
+InsideState turned(InsideState state, const Eigen::Matrix3d& rotation);
+
+/// `measured`: of all vertices, at one height (states_at_height). `among`: per vertex, whether it counts; empty: all.
+InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideMeasures>& measured,
+                                   const std::vector<char>& among = {});
+
+/// What of a contact's layers does not depend on pressures: made once, used for all states.
+struct InsideMap {
+  struct Side {
+    const LayerOperator* layer = nullptr;  ///< owned by `layers`; null: nothing to look into
+    InsideShape shape;
+    DepthLaws laws;
+  };
+  std::shared_ptr<const LayerBed> layers;
+  Side sides[2];  ///< primary, secondary. No layer: a bare rigid surface, or the law is not Law::Layer with
+                  ///  LayerFit::TwoTerms: only these have the fractions
+};
 
 /// The elements of one layer.
 struct InsideElements {
@@ -51,15 +79,11 @@ struct InsideDomain {
   std::vector<SymmetricTensor> strain;  ///< Lagrange, global axes of the reference
 };
 
-/// Per facet of a surface its mean at one height: max shear stress [MPa], first and third principal strain.
-struct InsideFacets {
-  std::vector<double> max_shear, first_strain, third_strain;
-};
 /// Of one side of a contact.
 struct InsideSide {
   InsideEnds numbers;
-  std::vector<InsideEnds> compartments;  ///< one per compartment of the layer
-  InsideFacets bone, surface;
+  std::vector<InsideEnds> compartments;     ///< one per compartment of the layer
+  std::vector<std::vector<double>> facets;  ///< per row of inside_facet_fields, per facet of the surface: its mean
 };
 
 struct InsideResults {

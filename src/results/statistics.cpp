@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "src/base/numbers.h"
 #include "src/geometry/ray_caster.h"
@@ -115,6 +116,130 @@ PressedRim pressed_rim(const Joint& joint, const Equilibrium& e, std::size_t con
   return rim;
 }
 
+using EdgeNodes = std::array<int, 2>;  // of the model, the lesser first
+
+EdgeNodes nodes_of(const SurfaceMesh& mesh, const LayerFace::Edge& e) {
+  const auto& corners = mesh.triangles[at(e.triangle)];
+  const int a = mesh.model_nodes[at(corners[at(e.edge)])], b = mesh.model_nodes[at(corners[at((e.edge + 1) % 3)])];
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// The edges of a layer's face beyond which another contact presses.
+std::set<EdgeNodes> shared_edges(const Layer& layer) {
+  std::set<EdgeNodes> edges;
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (e.shared) edges.insert(nodes_of(layer.face.mesh, e));
+  return edges;
+}
+
+/// The ends of those edges of the layer that are among these.
+std::vector<std::array<Vector3d, 2>> segments(const Layer& layer, const std::set<EdgeNodes>& edges) {
+  std::vector<std::array<Vector3d, 2>> found;
+  const SurfaceMesh& mesh = layer.face.mesh;
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (edges.count(nodes_of(mesh, e)) > 0)
+      found.push_back({mesh.corner(e.triangle, e.edge), mesh.corner(e.triangle, (e.edge + 1) % 3)});
+  return found;
+}
+
+/// Mean pressure of the facets whose centres are within `reach` of these lines; 0 where the contact does not act.
+double mean_near(const Layer& layer, const std::vector<double>& pressure,
+                 const std::vector<std::array<Vector3d, 2>>& lines, double reach) {
+  const SurfaceMesh& mesh = layer.articular;
+  double force = 0.0, area = 0.0;
+  for (int t = 0; t < mesh.size() && !pressure.empty(); ++t) {
+    const Vector3d x = mesh.centroid(t);
+    const bool near = std::any_of(lines.begin(), lines.end(), [&](const std::array<Vector3d, 2>& line) {
+      return distance_to_segment(x, line[0], line[1]) <= reach;
+    });
+    if (!near) continue;
+    force += mesh.areas[at(t)] * pressure[at(mesh.facet[at(t)])];
+    area += mesh.areas[at(t)];
+  }
+  return area > 0 ? force / area : 0.0;
+}
+
+/// The worst one of contact `c`: where it presses with more than `above`, and the pressures on the two sides of the
+/// line differ by more than 30 % of the larger one. Empty: there is none.
+std::optional<UnevenNeighbour> uneven_neighbour(const Joint& joint, const std::vector<ContactFields>& fields, int c,
+                                                double above) {
+  constexpr double kAlike = 0.3, kReach = 2.0;  // thicknesses
+  std::optional<UnevenNeighbour> worst;
+  const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
+  if (joint.contacts[at(c)].law != Law::Layer) return worst;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Layer& layer = joint.contacts[at(c)].layers[side];
+    const std::set<EdgeNodes> own = shared_edges(layer);
+    if (own.empty()) continue;
+    for (int other = 0; other < static_cast<int>(joint.contacts.size()); ++other)
+      for (std::size_t of = 0; of < 2 && other != c; ++of) {
+        const Layer& beside = joint.contacts[at(other)].layers[of];
+        if (beside.body != layer.body) continue;
+        const auto lines = segments(beside, own);
+        if (lines.empty()) continue;
+        const double reach = kReach * layer.mean_thickness();
+        UnevenNeighbour found;
+        found.other = other;
+        found.surface = layer.surface;
+        found.own = mean_near(layer, fields[at(c)].sides[side].pressure, lines, reach);
+        found.beyond = mean_near(beside, fields[at(other)].sides[of].pressure, lines, reach);
+        if (found.own > above && size(found) > kAlike * std::max(found.own, found.beyond) &&
+            (!worst || size(found) > size(*worst)))
+          worst = found;
+      }
+  }
+  return worst;
+}
+
+/// One per name, of contact `contact`. A spring belongs to the compartment it stands on, or, where the target has them,
+/// presses; a facet without springs to the nearest. `fields`: of the same contact and equilibrium.
+std::vector<CompartmentLoad> compartment_loads(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                               const Equilibrium& e, const ContactFields& fields, std::size_t contact) {
+  const ContactPair& pair = joint.contacts[contact];
+  const int side = compartment_side(pair);
+  if (side < 0) return {};
+  const Layer& layer = pair.layers[side];
+  const FieldMaps::ContactMap& map = maps.contacts[contact];
+  const auto nearest = [&](const Vector3d& x) {
+    const Pose& pose = e.poses[at(layer.body)];
+    const Vector3d reference =
+        pose.rotation.transpose() * (x - pose.center) + joint.bodies[at(layer.body)].center_of_mass;
+    return layer.compartments.of_triangle[at(map.articular[side].closest(reference).triangle)];
+  };
+  std::vector<CompartmentLoad> loads(at(layer.compartments.size()));
+  std::vector<double> sum(loads.size(), 0.0);
+  std::vector<Vector3d> moment(loads.size(), Vector3d::Zero());
+  const SpringStates& s = e.springs[contact];
+  const Springs& springs = beds.beds[contact].springs;
+  const bool on_articular = layer.springs_at == SpringsAt::Articular;
+  for (int i = 0; i < s.size(); ++i) {
+    const double f = s.pressure[at(i)] * s.area[at(i)];
+    if (!(f > 0)) continue;
+    const int triangle = !on_articular ? -1 : side == pair.source ? springs.surface_triangle[at(i)] : s.triangle[at(i)];
+    const int c = triangle >= 0 ? layer.compartments.of_triangle[at(triangle)] : nearest(s.foot[at(i)]);
+    loads[at(c)].force += f * s.direction[at(i)];
+    moment[at(c)] += f * s.foot[at(i)];
+    sum[at(c)] += f;
+  }
+  std::vector<int> of_facet(at(map.plotted.facets()), -1);  // of the source's surface
+  const Layer& source = pair.source_layer();
+  for (int t = 0; side == pair.source && t < source.articular.size(); ++t)
+    of_facet[at(source.articular.facet[at(t)])] = source.compartments.of_triangle[at(t)];
+  const Pose& pose = e.poses[at(source.body)];
+  for (std::size_t f = 0; f < of_facet.size(); ++f)
+    if (of_facet[f] < 0)
+      of_facet[f] = nearest(
+          pose.center + pose.rotation * (map.plotted.facet_centers[f] - joint.bodies[at(source.body)].center_of_mass));
+  const std::vector<double> pressure = plotted_values(fields.sides[pair.source].pressure);
+  for (std::size_t c = 0; c < loads.size(); ++c) {
+    if (sum[c] > 0) loads[c].center_of_pressure = moment[c] / sum[c];
+    FacetMask mask;
+    for (int of : of_facet) mask.push_back(of == static_cast<int>(c));
+    loads[c].headline = headline(map.plotted, pressure, mask);
+  }
+  return loads;
+}
+
 /// How many of the largest forces p A make up nine tenths of their sum.
 int fewest_of_most(const std::vector<double>& pressure, const std::vector<double>& area) {
   std::vector<double> forces;
@@ -132,6 +257,18 @@ int fewest_of_most(const std::vector<double>& pressure, const std::vector<double
 }
 
 }  // namespace
+
+int compartment_side(const ContactPair& pair) {
+  for (int side : {pair.source, 1 - pair.source})
+    if (pair.layers[side].compartments.size() > 0) return side;
+  return -1;
+}
+
+const std::vector<std::string>& compartment_names(const ContactPair& pair) {
+  static const std::vector<std::string> none;
+  const int side = compartment_side(pair);
+  return side < 0 ? none : pair.layers[side].compartments.names;
+}
 
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
                                                   const Equilibrium& e, const std::vector<ContactFields>& fields) {
@@ -194,13 +331,8 @@ void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2
   for (const int side : {0, 1}) {
     std::optional<InsideSide>& of = inside[at(side)];
     if (!of) continue;
-    SideFields& f = fields.sides[side];
-    f.bone_max_shear = std::move(of->bone.max_shear);
-    f.bone_first_strain = std::move(of->bone.first_strain);
-    f.bone_third_strain = std::move(of->bone.third_strain);
-    f.surface_max_shear = std::move(of->surface.max_shear);
-    f.surface_first_strain = std::move(of->surface.first_strain);
-    f.surface_third_strain = std::move(of->surface.third_strain);
+    for (std::size_t i = 0; i < of->facets.size(); ++i)
+      fields.sides[side].*inside_facet_fields()[i].values = std::move(of->facets[i]);
     statistics.inside[side == pair.source ? 0 : 1] = of->numbers;
     if (side != compartment_side(pair)) continue;
     for (std::size_t i = 0; i < statistics.compartments.size(); ++i)

@@ -1,15 +1,15 @@
 // src/results/statistics.h – the numbers that sum up a contact's results.
 #pragma once
+#include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "src/base/numbers.h"
 #include "src/equilibrium/equilibrium.h"
-#include "src/results/compartment_loads.h"
 #include "src/results/fields.h"
 #include "src/results/headline.h"
 #include "src/results/inside_fields.h"
-#include "src/results/neighbours.h"
 
 namespace dea {
 
@@ -22,6 +22,22 @@ struct PressedRim {
   double selection = 0.0;  ///< length where the body's own mesh goes on, unselected
   double mesh = 0.0;       ///< length where the mesh ends
   double whole = 0.0;      ///< length of the whole rim, pressed or not; 0: nothing is pressed there
+};
+
+/// A contact that presses the layer near the line where another contact's facets begin, against what that one does
+/// beyond. The layer's law takes it as pressing alike (Rim::Wall).
+struct UnevenNeighbour {
+  int other = -1;                  ///< index into Joint::contacts
+  int surface = -1;                ///< of the contact itself
+  double own = 0.0, beyond = 0.0;  ///< mean pressure within two thicknesses of the line
+};
+
+/// Of one compartment. NaN: undefined, it carries nothing.
+struct CompartmentLoad {
+  Headline headline;                  ///< of its share of the surface with springs, above the threshold of the whole
+  Vector3d force = Vector3d::Zero();  ///< on the target, global axes; over all compartments it adds up to the contact's
+  Vector3d center_of_pressure = Vector3d::Constant(kNaN);  ///< of its springs, current
+  std::optional<InsideEnds> inside;                        ///< of its layer's share; none: not asked for, or no layer
 };
 
 /// Numbers per contact and state. NaN: undefined (no active spring).
@@ -48,6 +64,12 @@ struct ContactStatistics {
   std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
   std::optional<InsideEnds> inside[2];        ///< of the layers of source, target; none: not asked for, or no layer
 };
+
+/// The side of a contact whose compartments its results are told by: the one with springs if it has some, else the
+/// other; -1: both are one piece.
+int compartment_side(const ContactPair& pair);
+/// Of that side; empty: none.
+const std::vector<std::string>& compartment_names(const ContactPair& pair);
 
 /// One per contact. `fields`: of the same equilibrium.
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,

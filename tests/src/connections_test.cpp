@@ -51,7 +51,7 @@ struct Scene {
     c.name = "joint";
     c.body_a = 0;
     c.body_b = 1;
-    c.point = {4, 5, -2};
+    c.joint_origin = {4, 5, -2};
     c.axes = Eigen::AngleAxisd(0.8, Vector3d(1, -1, 2).normalized()).toRotationMatrix();
     c.motion = motion;
     joint.connectors.push_back(c);

@@ -1,4 +1,4 @@
-#include "src/results/inside.h"
+#include "src/results/inside_fields.h"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
+#include "src/facts/parts.h"
 #include "src/rules/rules.h"
 #include "views/text/run_text.h"
 
@@ -200,10 +201,10 @@ std::string cable_text(const Joint& joint, const Cable& c) {
 }
 
 std::string connector_text(const Joint& joint, const Connector& c) {
-  std::string text =
-      fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", in_quotes(c.name), shown(c.type),
-                  shown(joint.bodies[at(c.body_a)].name), shown(joint.bodies[at(c.body_b)].name), vector_text(c.point),
-                  vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
+  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", in_quotes(c.name), shown(c.type),
+                                 shown(joint.bodies[at(c.body_a)].name), shown(joint.bodies[at(c.body_b)].name),
+                                 vector_text(c.joint_origin), vector_text(c.axes.col(0)), vector_text(c.axes.col(1)),
+                                 vector_text(c.axes.col(2)));
   for (int k = 0; k < kDofs; ++k)
     text += fmt::format("{} {} {} {}", k ? "," : "", k < 3 ? "along" : "about", k % 3 + 1, word(c.motion[at(k)]));
   return text + step_words(c.step) + "\n";
