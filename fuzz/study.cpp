@@ -1,7 +1,6 @@
 // The file of a study, read as `dea study FILE.db` and Python read it.
 #include "fuzz/fuzz.h"
 #include "io/study/read_study.h"
-#include "io/study/study_rows.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = dea::fuzz::file_of(data, size, ".db");

@@ -19,6 +19,7 @@
 #include "src/study/mean_map.h"
 #include "src/study/regions.h"
 #include "views/study_page/study_page.h"
+#include "views/study_page/study_statistics.h"
 
 namespace dea::python {
 

@@ -47,17 +47,12 @@ struct Work {
   const std::vector<std::size_t>& cases;
   const StudyOptions& options;
   Settings of_file;
-  ReadyJoints own_joints;
-  ReadyJoints& joints;
-  std::optional<JointUses> uses;  // of joints that nobody else will ask for
+  ReadyJoints own_joints{options.memory};
+  ReadyJoints& joints = options.joints != nullptr ? *options.joints : own_joints;
+  std::optional<JointUses> uses = {};  // of joints that nobody else will ask for
   std::atomic<std::size_t> next{0};
-  std::mutex mutex;          // of what follows
-  std::exception_ptr fault;  // ends the study
-
-  Work(const Plan& p, const std::vector<std::size_t>& c, const StudyOptions& o)
-      : plan(p), cases(c), options(o), own_joints(o.memory), joints(o.joints != nullptr ? *o.joints : own_joints) {
-    if (o.joints == nullptr) uses.emplace(p, c);
-  }
+  std::mutex mutex = {};               // of what follows
+  std::exception_ptr fault = nullptr;  // ends the study
 };
 
 OutputSettings states_asked(const StudyOptions& options) {
@@ -109,8 +104,6 @@ struct LastUse {
   Work& work;
   const PlannedCase& c;
   const Settings& settings;
-  LastUse(Work& w, const PlannedCase& of, const Settings& s) : work(w), c(of), settings(s) {}
-  LastUse(const LastUse&) = delete;
   ~LastUse() {
     if (work.uses && work.uses->was_last(c)) work.joints.forget(work.plan.models[at(c.model)], settings);
   }
@@ -123,7 +116,7 @@ CaseResult solve_case(Work& work, std::size_t index) {
   const PlannedCase& c = work.plan.cases[index];
   try {
     const Settings settings = case_settings(work.plan, c, work.of_file);
-    const LastUse last(work, c, settings);
+    const LastUse last{work, c, settings};
     solve(work, c, settings, result);
   } catch (const BadValue& e) {
     result.message = one_line(e.what());
@@ -164,7 +157,8 @@ void solve_cases(Work& work) {
 void run_study(const Plan& plan, const std::vector<std::size_t>& cases, const StudyOptions& options) {
   // each case on one thread: what is gained within one is lost between them
   const auto one_thread = limit_threads(1);
-  Work work(plan, cases, options);
+  Work work{plan, cases, options, {}};
+  if (options.joints == nullptr) work.uses.emplace(plan, cases);
   if (!options.settings_file.empty()) work.of_file = read_settings_file(options.settings_file).settings;
   std::vector<std::thread> others;
   try {

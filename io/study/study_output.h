@@ -1,4 +1,5 @@
-// io/study/study_output.h – a study's file opened, gone on with, and filled with the cases it lacks.
+// io/study/study_output.h – a study's file, or one of several parts of it as it was said or as a cluster says: opened,
+// gone on with, and filled with the cases it lacks.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,9 +8,16 @@
 
 #include "io/files/held_outputs.h"
 #include "io/study/study_request.h"
-#include "io/study/study_shards.h"
 
 namespace dea {
+
+struct Shard {
+  int number = 1, of = 1;
+  bool automatic = false;  ///< as a cluster says
+};
+
+/// "I/N"; "auto": of Slurm's, Open MPI's or PMI's variables; "": the whole. Throws UsageError.
+Shard shard_of(const std::string& text);
 
 /// Where results go, as it was asked for.
 struct StudyOutput {
@@ -35,9 +43,6 @@ struct OpenStudy {
 
 /// Throws UsageError, WriteError; InputError: the file that is there is of another study.
 OpenStudy open_study(const Study& study, const StudyOutput& output);
-
-/// Throws WriteError if it cannot be taken away.
-void remove_study(const std::string& path);
 
 /// No name for a study's file: UsageError.
 void check_study_name(const std::string& option, const std::string& path);

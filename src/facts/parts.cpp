@@ -7,7 +7,6 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/given_layer.h"
-#include "src/facts/moved_nodes.h"
 
 namespace dea {
 

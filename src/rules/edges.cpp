@@ -71,56 +71,42 @@ double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactF
 Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kSome = 0.1;
   Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result))
-    for (int side = 0; side < 2; ++side) {
-      const ContactPair& pair = c.pair;
-      const Layer& layer = pair.layers[side];
-      const std::vector<double>& pressure = c.fields.sides[side].pressure;
-      if (layer.rigid || pressure.empty()) continue;
-      const double share = share_at_edges(layer, pressure);
-      if (!(share > kSome)) continue;
-      const Subject subject = c.subject(model, layer);
-      found.push_back({"force-at-edge", subject, {{"percent", 100 * share}, {"thickness", layer.mean_thickness()}}});
-    }
+  for (const JudgedSide& s : judged_sides(model, joint, result)) {
+    if (s.layer.rigid || s.fields.pressure.empty()) continue;
+    const double share = share_at_edges(s.layer, s.fields.pressure), thickness = s.layer.mean_thickness();
+    if (share > kSome)
+      found.push_back({"force-at-edge", s.subject, {{"percent", 100 * share}, {"thickness", thickness}}});
+  }
   return found;
 }
 
 /// Selections that end under pressure though the cartilage goes on.
 Findings pressed_selection(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result))
-    for (int side = 0; side < 2; ++side) {
-      const Layer& layer = c.pair.layers[side];
-      const double length = pressed_end_of_selection(layer, c.fields.sides[side].pressure, kFelt * c.statistics.peak);
-      if (!(length > 2 * layer.facet_size() * layer.mean_thickness())) continue;
-      const Subject subject = c.subject(model, layer);
-      found.push_back({"selection-ends-under-pressure", subject, {{"length", length}}});
-    }
+  for (const JudgedSide& s : judged_sides(model, joint, result)) {
+    const double length = pressed_end_of_selection(s.layer, s.fields.pressure, kFelt * s.statistics.peak);
+    if (length > 2 * s.layer.facet_size() * s.layer.mean_thickness())
+      found.push_back({"selection-ends-under-pressure", s.subject, {{"length", length}}});
+  }
   return found;
 }
 
 /// Bare surfaces that end under pressure though the cartilage goes on.
 Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result))
-    for (int side = 0; side < 2; ++side) {
-      const ContactPair& pair = c.pair;
-      const Layer &layer = pair.layers[side], &partner = pair.layers[1 - side];
-      if (!layer.rigid || layer.bare_rim.empty()) continue;
-      const PressedRim& rim = c.statistics.pressed_rim[side];
-      const double length = rim.selection + rim.mesh, facet = partner.facet_size() * partner.mean_thickness();
-      if (!(length > 0) || !(length > facet)) continue;
-      const Subject subject = c.subject(model, layer);
-      found.push_back({"bare-surface-ends-under-pressure",
-                       subject,
-                       {{"length", length},
-                        {"percent", 100 * length / rim.whole},
-                        {"mesh", rim.mesh},
-                        {"selection", rim.selection}},
-                       rim.mesh == 0        ? 0
-                       : rim.selection == 0 ? 1
-                                            : 2});
-    }
+  for (const JudgedSide& s : judged_sides(model, joint, result)) {
+    if (!s.layer.rigid || s.layer.bare_rim.empty()) continue;
+    const PressedRim& rim = s.statistics.pressed_rim[s.side];
+    const double length = rim.selection + rim.mesh, facet = s.partner.facet_size() * s.partner.mean_thickness();
+    if (!(length > 0) || !(length > facet)) continue;
+    found.push_back(
+        {"bare-surface-ends-under-pressure",
+         s.subject,
+         {{"length", length}, {"percent", 100 * length / rim.whole}, {"mesh", rim.mesh}, {"selection", rim.selection}},
+         rim.mesh == 0        ? 0
+         : rim.selection == 0 ? 1
+                              : 2});
+  }
   return found;
 }
 
@@ -154,10 +140,9 @@ Findings shear_at_edge(const JointModel& model, const Joint& joint, const Solved
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result))
     for (const int side : {0, 1}) {
-      const ContactPair& pair = c.pair;
       const std::optional<InsideEnds>& inside = c.statistics.inside[side];
       if (!inside || !inside->peak_near_free_edge) continue;
-      const Layer& layer = side == 0 ? pair.source_layer() : pair.target_layer();
+      const Layer& layer = side == 0 ? c.pair.source_layer() : c.pair.target_layer();
       Subject subject = c.subject(model, layer);
       subject.body = joint.bodies[at(layer.body)].name;
       found.push_back({"shear-at-edge", subject, {{"near", kNearEdge}}});

@@ -67,14 +67,13 @@ Findings long_facets(const JointModel& model, const Joint& joint) {
 Findings few_springs(const JointModel&, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    const ContactPair& pair = c.pair;
     const int active = c.statistics.springs_active;
-    if (active < 20 && c.fields.sides[1 - pair.source].contact_area > 0)
+    if (active < 20 && c.fields.sides[1 - c.pair.source].contact_area > 0)
       found.push_back({"few-springs",
                        c.subject(),
                        {{"springs", active}, {"refine", NamedSetting{"refine"}}, {"source", NamedSetting{"source"}}}});
-    else if (active < 60 && active > 0 && pair.law == Law::Layer)
-      found.push_back({"few-springs", c.subject(), {{"springs", active}, {"refine", twice_as_fine(pair)}}, 1});
+    else if (active < 60 && active > 0 && c.pair.law == Law::Layer)
+      found.push_back({"few-springs", c.subject(), {{"springs", active}, {"refine", twice_as_fine(c.pair)}}, 1});
   }
   return found;
 }
@@ -99,12 +98,10 @@ Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedSt
   constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    const ContactPair& pair = c.pair;
     const ContactStatistics& s = c.statistics;
     if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) continue;
-    const Subject subject = c.subject(model, pair.source_layer());
     found.push_back({"smeared-map",
-                     subject,
+                     c.subject(model, c.pair.source_layer()),
                      {{"area", s.headline.area},
                       {"mean", s.headline.mean},
                       {"p99", s.headline.p99},
@@ -136,10 +133,9 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
     const auto* off = std::find_if(std::begin(kCoarseErrors), std::end(kCoarseErrors),
                                    [&](const CoarseError& e) { return least <= e.across; });
     if (off == std::end(kCoarseErrors)) continue;
-    const Subject subject = c.subject(model, *narrow);
     const Sentence finer = finer_springs(pair, facet_size(pair, *narrow));
     found.push_back({"narrow-contact",
-                     subject,
+                     c.subject(model, *narrow),
                      {{"across", least},
                       {"size", facet_size(pair, *narrow)},
                       {"force_percent", off->force},
@@ -153,13 +149,9 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
 /// Maps that do not carry the whole force.
 Findings incomplete_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result))
-    for (int side = 0; side < 2; ++side) {
-      const double factor = c.fields.sides[side].resultant_factor;
-      if (!(std::abs(factor - 1.0) > 0.02)) continue;
-      const Subject subject = c.subject(model, c.pair.layers[side]);
-      found.push_back({"incomplete-map", subject, {{"percent", 100.0 * factor}}});
-    }
+  for (const JudgedSide& s : judged_sides(model, joint, result))
+    if (const double factor = s.fields.resultant_factor; std::abs(factor - 1.0) > 0.02)
+      found.push_back({"incomplete-map", s.subject, {{"percent", 100.0 * factor}}});
   return found;
 }
 

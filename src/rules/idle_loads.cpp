@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
@@ -30,22 +31,18 @@ bool force_acts(const BodyConditions& body, int k) {
   return false;
 }
 
-/// Adds what one load case loses. `acts`: something of it has an effect.
-void add_lost(const BodyConditions& body, const Vector6& load, IdleLoad& idle, bool& acts) {
+/// Adds what one load case loses.
+void add_lost(const BodyConditions& body, const Vector6& load, IdleLoad& idle) {
   for (int k = 0; k < kDofs; ++k) {
     const double whole = k < 3 ? load.head<3>().norm() : load.tail<3>().norm();
     if (!(std::abs(load[k]) > kNone * whole)) continue;
     const bool effect = k < 3 ? force_acts(body, k) : is_free(body, k);
-    acts = acts || effect;
+    idle.all = idle.all && !effect;
     idle.lost[at(k)] = idle.lost[at(k)] || !effect;
   }
 }
 
-void keep(IdleLoad idle, bool acts, std::vector<IdleLoad>& found) {
-  if (std::none_of(idle.lost.begin(), idle.lost.end(), [](bool lost) { return lost; })) return;
-  idle.all = !acts;
-  found.push_back(std::move(idle));
-}
+bool loses(const IdleLoad& load) { return std::find(load.lost.begin(), load.lost.end(), true) != load.lost.end(); }
 
 std::string axes_of(const IdleLoad& load, int begin) {
   std::string axes;
@@ -85,14 +82,12 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
     Vector6 load = Vector6::Zero();
     load.head<3>() = global_force(settings, entry.first);
     IdleLoad idle{.given = NamedSetting{.setting = "force", .of = entry.first, .bare = true}, .body = entry.first};
-    bool acts = false;
-    add_lost(body, load, idle, acts);
-    keep(std::move(idle), acts, found);
+    add_lost(body, load, idle);
+    if (loses(idle)) found.push_back(std::move(idle));
   }
   if (table.time.empty()) return found;
   const std::size_t b = at(joint.find_body(model, table.body)), count = std::min(rows, kRows);
   IdleLoad idle{.given = NamedSetting{.setting = "loads", .value = table.file, .bare = true}, .body = table.body};
-  bool acts = false;
   for (std::size_t i = 0; i < count; ++i) {
     const LoadCase c = row_case(count > 1 ? i * (rows - 1) / (count - 1) : 0);
     const BodyConditions& body = c.bodies[b];
@@ -100,9 +95,9 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
     Vector6 load = body.dead;
     load.head<3>() += turned * body.follower.head<3>();
     load.tail<3>() += turned * body.follower.tail<3>();
-    add_lost(body, load, idle, acts);
+    add_lost(body, load, idle);
   }
-  keep(std::move(idle), acts, found);
+  if (loses(idle)) found.push_back(std::move(idle));
   return found;
 }
 
@@ -216,10 +211,51 @@ Findings idle_findings(const std::vector<IdleLoad>& loads) {
   Findings found;
   for (IdleLoad load : loads) {
     if (!load.all) std::fill(load.lost.begin() + 3, load.lost.end(), false);
-    if (std::none_of(load.lost.begin(), load.lost.end(), [](bool lost) { return lost; })) continue;
-    found.push_back({"idle-load", {.body = load.body}, {{"given", load.given}, {"why", idle_in_words(load)}}});
+    if (loses(load))
+      found.push_back({"idle-load", {.body = load.body}, {{"given", load.given}, {"why", idle_in_words(load)}}});
   }
   return found;
+}
+
+namespace {
+
+bool turns(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  const auto is_it = [&](const std::string& name) { return !name.empty() && joint.find_body(model, name) == body; };
+  return (settings.motion.turns && is_it(settings.motion.body)) ||
+         std::any_of(settings.placements.begin(), settings.placements.end(),
+                     [&](const Placement& p) { return p.kind == Placement::Kind::Rotate && is_it(p.body); });
+}
+
+}  // namespace
+
+Findings idle_settings(const JointModel& model, const Joint& joint, const Settings& settings) {
+  std::set<std::string> sliding;  // surfaces, also of contacts that the settings leave out
+  for (const Contact& c : model.contacts)
+    if (c.kind == Contact::Kind::Sliding)
+      for (const int surface : {c.primary, c.secondary}) sliding.insert(model.surfaces[at(surface)].name);
+  Findings idle;
+  const auto look_at = [&](const char* setting, const auto& by_surface) {
+    for (const auto& entry : by_surface)
+      if (!entry.first.empty() && sliding.count(entry.first) == 0)
+        idle.push_back({"idle-setting",
+                        {.surface = entry.first},
+                        {{"given", NamedSetting{.setting = setting, .of = entry.first, .bare = true}}}});
+  };
+  look_at("attach", settings.attach);
+  look_at("bone", settings.bone);
+  look_at("thickness", settings.thickness);
+  look_at("thickness-from", settings.thickness_from);
+  look_at("thickness-scale", settings.thickness_scale);
+  look_at("E", settings.E);
+  look_at("nu", settings.nu);
+  for (const auto& entry : settings.rotate_about)
+    if (!turns(model, joint, settings, joint.find_body(model, entry.first)))
+      idle.push_back({"idle-setting",
+                      {.body = entry.first},
+                      {{"given", NamedSetting{.setting = "rotate-about", .of = entry.first, .bare = true}},
+                       {"turn", NamedSetting{"rotate", entry.first, "x,y,z,DEGREES"}}},
+                      1});
+  return idle;
 }
 
 }  // namespace dea

@@ -1,4 +1,5 @@
-// src/rules/idle_loads.h – loads that move nothing: the body is not free to go their way.
+// src/rules/idle_loads.h – loads that move nothing, for the body is not free to go their way; settings that nothing
+// uses.
 #pragma once
 #include <array>
 #include <string>
@@ -16,7 +17,7 @@ struct IdleLoad {
   NamedSetting given;
   std::string body;
   std::array<bool, kDofs> lost = {};  ///< components of force and moment, global axes, that have no effect
-  bool all = false;                   ///< nothing of the load has an effect
+  bool all = true;                    ///< nothing of the load has an effect
 };
 
 /// Of each force and table of the settings with an idle component. A force of zero is none. Where a component acts
@@ -40,6 +41,10 @@ Findings idle_model_loads(const JointModel& model, const Joint& joint, const Set
 /// Points of the settings (load-at) that change nothing: no force acts on the body, or none of its
 /// rotations is free. Followers and forces at nodes have points of their own.
 Findings idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// Settings of a surface that no sliding contact has; points of turning (rotate-about) of a body that nothing turns.
+/// Not frames: a settings file has all of a bone's.
+Findings idle_settings(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// What the user is to be warned of. Of a table's moments nothing is said unless its forces are idle
 /// too: measured tables have them, and bones that do not turn are usual.

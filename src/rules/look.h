@@ -1,12 +1,18 @@
 // src/rules/look.h – the rules that look, one function each; rules.cpp lists them with their words.
 #pragma once
+#include <optional>
+
 #include "src/base/finding.h"
+#include "src/base/unit_names.h"
 #include "src/joint/joint.h"
 #include "src/results/solved_states.h"
 
 namespace dea {
 
 // units.cpp
+/// The modulus in MPa, if these units make one of it that no cartilage has; nullopt: it may be one, or the units are
+/// none of FEBio's.
+std::optional<double> odd_modulus(double E, const UnitNames& units);
 Findings odd_units(const JointModel& model, const Joint& joint);
 Findings thick_layers(const JointModel& model, const Joint& joint);
 Findings sizes_that_differ(const JointModel& model, const Joint& joint);
@@ -56,6 +62,16 @@ struct JudgedContact {
 };
 /// All contacts; none where the last state is no solution.
 std::vector<JudgedContact> judged_contacts(const Joint& joint, const SolvedStates& result);
+
+/// One side of a judged contact.
+struct JudgedSide {
+  const ContactStatistics& statistics;  ///< of the contact
+  const SideFields& fields;
+  int side;
+  const Layer &layer, &partner;
+  Subject subject;  ///< with the layer's surface
+};
+std::vector<JudgedSide> judged_sides(const JointModel& model, const Joint& joint, const SolvedStates& result);
 
 /// Does nothing load a free body, and nothing press it? No forces but such as are none against `stiffest`.
 bool parted(const Equilibrium& e, double stiffest);

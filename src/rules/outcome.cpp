@@ -124,6 +124,16 @@ std::vector<JudgedContact> judged_contacts(const Joint& joint, const SolvedState
   return contacts;
 }
 
+std::vector<JudgedSide> judged_sides(const JointModel& model, const Joint& joint, const SolvedStates& result) {
+  std::vector<JudgedSide> sides;
+  for (const JudgedContact& c : judged_contacts(joint, result))
+    for (int side = 0; side < 2; ++side) {
+      const Layer &layer = c.pair.layers[side], &partner = c.pair.layers[1 - side];
+      sides.push_back({c.statistics, c.fields.sides[side], side, layer, partner, c.subject(model, layer)});
+    }
+  return sides;
+}
+
 /// States that are no solution, neighbours together.
 Findings no_solution(const JointModel&, const Joint&, const SolvedStates& result) {
   std::vector<StateRun> runs;
@@ -151,11 +161,11 @@ Findings held_motion(const JointModel&, const Joint&, const SolvedStates& result
     last = &state;
   }
   if (last == nullptr) return {};
-  std::string directions;
-  for (const std::string& held : last->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
   return {{"motion-held",
            {.time = last->when.time},
-           {{"count", count}, {"states", result.states.size()}, {"directions", directions}}}};
+           {{"count", count},
+            {"states", result.states.size()},
+            {"directions", fmt::format("{}", fmt::join(last->equilibrium.held, ", "))}}}};
 }
 
 /// Surfaces that do not touch, for nothing loads a free body; of the last such state.

@@ -85,24 +85,20 @@ Findings nearest_thickness(const JointModel& model, const Joint& joint) {
 /// Vertices under pressure whose thickness is doubtful.
 Findings pressed_nearest_thickness(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result))
-    for (int side = 0; side < 2; ++side) {
-      const Layer& layer = c.pair.layers[side];
-      const std::vector<double>& pressure = c.fields.sides[side].vertex_pressure;
-      if (layer.springs_at == SpringsAt::Bone || pressure.size() != layer.missed.size()) continue;
-      int count = 0;
-      double most = 0.0;
-      for (const std::size_t v : doubtful_vertices(layer)) {
-        if (!(pressure[v] > kFelt * c.statistics.peak)) continue;
-        ++count;
-        most = std::max(most, pressure[v]);
-      }
-      if (count == 0) continue;
-      const std::string& surface = model.surfaces[at(layer.surface)].name;
-      found.push_back({"nearest-thickness-pressed",
-                       {.contact = c.pair.name, .surface = surface, .time = c.state.when.time},
-                       {{"count", count}, {"pressure", most}, {"give", NamedSetting{"thickness", surface, "VALUE"}}}});
+  for (const JudgedSide& s : judged_sides(model, joint, result)) {
+    const std::vector<double>& pressure = s.fields.vertex_pressure;
+    if (s.layer.springs_at == SpringsAt::Bone || pressure.size() != s.layer.missed.size()) continue;
+    int count = 0;
+    double most = 0.0;
+    for (const std::size_t v : doubtful_vertices(s.layer)) {
+      if (!(pressure[v] > kFelt * s.statistics.peak)) continue;
+      ++count;
+      most = std::max(most, pressure[v]);
     }
+    const NamedSetting give{"thickness", s.subject.surface, "VALUE"};
+    if (count > 0)
+      found.push_back({"nearest-thickness-pressed", s.subject, {{"count", count}, {"pressure", most}, {"give", give}}});
+  }
   return found;
 }
 

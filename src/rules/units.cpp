@@ -1,9 +1,7 @@
 #include <algorithm>
 
 #include "src/base/numbers.h"
-#include "src/base/unit_names.h"
 #include "src/rules/look.h"
-#include "src/rules/odd_modulus.h"
 
 namespace dea {
 

@@ -15,7 +15,6 @@
 #include "src/base/time_text.h"
 #include "src/joint/shared_ends.h"
 #include "src/rules/idle_loads.h"
-#include "src/rules/idle_settings.h"
 #include "src/rules/look.h"
 #include "src/rules/rules.h"
 

@@ -14,7 +14,7 @@
 #include "src/equilibrium/rows.h"
 #include "src/equilibrium/times.h"
 #include "src/facts/bodies.h"
-#include "src/facts/moved_nodes.h"
+#include "src/facts/node_holds.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"
 #include "src/model/load_curve.h"

@@ -1,4 +1,4 @@
-#include "src/study/sampling.h"
+#include "src/study/plan.h"
 
 #include <algorithm>
 #include <boost/math/distributions/lognormal.hpp>

@@ -1,5 +1,5 @@
 // Compiled without contraction into fused operations, which would change the last bits from machine to machine.
-#include "src/study/sobol_indices.h"
+#include "src/study/influence.h"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,6 @@
 
 #include "io/study/read_study.h"
 #include "io/study/study_file.h"
-#include "io/study/study_rows.h"
 #include "io/study/study_schema.h"
 #include "io/tables/text_table.h"
 #include "src/base/error.h"

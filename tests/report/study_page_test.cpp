@@ -13,6 +13,7 @@
 #include "tests/report/made_study.h"
 #include "tests/report/page_arrays.h"
 #include "views/study_page/study_page.h"
+#include "views/study_page/study_statistics.h"
 #include "views/study_page/study_subjects.h"
 
 namespace dea::study_page_test {

@@ -1,4 +1,4 @@
-#include "src/facts/moved_nodes.h"
+#include "src/facts/node_holds.h"
 
 #include <gtest/gtest.h>
 

@@ -15,9 +15,8 @@
 #include "src/study/influence.h"
 #include "src/study/mean_map.h"
 #include "src/study/pairs.h"
+#include "src/study/plan.h"
 #include "src/study/regions.h"
-#include "src/study/sampling.h"
-#include "src/study/sobol_indices.h"
 #include "src/study/summary.h"
 
 #include "tests/src/study_statistics_numbers.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "src/base/numbers.h"
-#include "src/rules/odd_modulus.h"
+#include "src/rules/look.h"
 #include "src/version.h"
 #include "views/data/build_json.h"
 

@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/study/summary.h"
 #include "views/map/map_scale.h"
 
 namespace dea {

@@ -7,8 +7,6 @@
 
 #include "src/study/dose.h"
 #include "views/page/page_parts.h"
-#include "views/study_page/study_json.h"
-#include "views/study_page/study_regions.h"
 #include "views/study_page/study_surfaces.h"
 
 namespace dea {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "io/study/read_study.h"
-#include "io/study/study_rows.h"
 #include "src/base/unit_names.h"
 
 namespace dea {

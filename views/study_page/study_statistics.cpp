@@ -10,7 +10,6 @@
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"
-#include "src/study/influence.h"
 #include "src/study/pairs.h"
 
 namespace dea {

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/study/sobol_indices.h"
-#include "src/study/summary.h"
+#include "src/study/influence.h"
 #include "views/page/page_parts.h"
 #include "views/study_page/study_numbers.h"
 

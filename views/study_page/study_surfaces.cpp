@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -39,56 +42,33 @@ bool same_geometry(const StudySurface& a, const StudySurface& b) {
          a.surface.triangles == b.surface.triangles;
 }
 
-/// Surfaces by model, contact and source.
-class Surfaces {
- public:
-  Surfaces(const std::string& path, std::size_t models) {
-    for (std::size_t m = 0; m < models; ++m)
-      for (StudySurface& s : read_surfaces(path, static_cast<int>(m))) add(static_cast<int>(m), std::move(s));
-  }
-  /// -1: none.
-  int of(int model, int contact_id, const std::string& contact, const std::string& source,
-         std::vector<StudySurfaceMesh>& meshes) {
-    const auto found = known_.find({model, contact, source});
-    if (found == known_.end()) return -1;
-    int& mesh = mesh_of_[found->second];
-    if (mesh < 0) {
-      mesh = static_cast<int>(meshes.size());
-      meshes.push_back(surface_mesh(stored_[found->second], contact_id));
-    }
-    return mesh;
-  }
-
- private:
-  void add(int model, StudySurface&& s) {
-    const std::tuple<int, std::string, std::string> key{model, s.contact, s.source};
-    for (std::size_t i = 0; i < stored_.size(); ++i)
-      if (same_geometry(stored_[i], s)) {
-        known_[key] = i;
-        return;
-      }
-    known_[key] = stored_.size();
-    stored_.push_back(std::move(s));
-    mesh_of_.push_back(-1);
-  }
-
-  std::vector<StudySurface> stored_;
-  std::vector<int> mesh_of_;
-  std::map<std::tuple<int, std::string, std::string>, std::size_t> known_;
-};
-
 }  // namespace
 
 StudyFields study_fields(const std::string& path, const StudyNumbers& n) {
   StudyFields out;
   const std::vector<StudyFieldRow> rows = list_fields(path);
   if (rows.empty()) return out;
-  Surfaces surfaces(path, n.head.models.size());
+  std::vector<StudySurface> stored;  // each once, though several models may have it
+  std::map<std::tuple<int, std::string, std::string>, std::size_t> places;  // of model, contact and source among them
+  for (int m = 0; m < static_cast<int>(n.head.models.size()); ++m)
+    for (StudySurface& s : read_surfaces(path, m)) {
+      const auto same = std::find_if(stored.begin(), stored.end(),
+                                     [&](const StudySurface& other) { return same_geometry(other, s); });
+      places[{m, s.contact, s.source}] = static_cast<std::size_t>(same - stored.begin());
+      if (same == stored.end()) stored.push_back(std::move(s));
+    }
+  std::vector<int> mesh_of(stored.size(), -1);
   for (const StudyFieldRow& r : rows) {
     const int c = n.case_of(static_cast<double>(r.key.case_id));
     if (c < 0 || !is_solution(r.outcome)) continue;
-    const int surface = surfaces.of(r.model, r.key.contact_id, r.contact, r.source, out.surfaces);
-    if (surface >= 0) out.fields.push_back({at(c), at(r.key.state - 1), surface, r.key.contact_id, r.contact_area});
+    const auto place = places.find({r.model, r.contact, r.source});
+    if (place == places.end()) continue;
+    int& mesh = mesh_of[place->second];
+    if (mesh < 0) {
+      mesh = static_cast<int>(out.surfaces.size());
+      out.surfaces.push_back(surface_mesh(stored[place->second], r.key.contact_id));
+    }
+    out.fields.push_back({at(c), at(r.key.state - 1), mesh, r.key.contact_id, r.contact_area});
   }
   return out;
 }
@@ -112,6 +92,92 @@ void each_pressure(const std::string& path, const StudyNumbers& n, const StudyFi
     for (int v : s.geometry.mesh.model_nodes) values.push_back(static_cast<double>(pressure[at(v)]));
     each(*of_keys[i], std::move(values));
   });
+}
+
+namespace {
+
+/// A surface's regions, and what each vertex counts for.
+struct RegionPlaces {
+  Regions regions;
+  std::size_t first = 0;              ///< place of the first region
+  std::vector<Vector3d> vertex_area;  ///< per vertex: a third of the area vectors around it
+};
+
+std::vector<Vector3d> vertex_area_vectors(const ResultSurface& s) {
+  std::vector<Vector3d> sum(s.mesh.vertices.size(), Vector3d::Zero());
+  for (int t = 0; t < s.mesh.size(); ++t)
+    for (int v : s.mesh.triangles[at(t)]) sum[at(v)] += s.mesh.areas[at(t)] / 3.0 * s.mesh.normals[at(t)];
+  return sum;
+}
+
+/// In the order of headline_statistics.
+std::array<double, 5> numbers_in(const StudySurfaceMesh& s, const RegionPlaces& r, int region,
+                                 const std::vector<double>& pressure, double above) {
+  std::vector<double> values, areas;
+  Vector3d force = Vector3d::Zero();
+  for (std::size_t v = 0; v < pressure.size(); ++v) {
+    if (r.regions.index[v] != region) continue;
+    values.push_back(pressure[v]);
+    areas.push_back(s.areas[v]);
+    force += pressure[v] * r.vertex_area[v];
+  }
+  const Distribution d = distribution(values, areas, above);
+  return {d.p99, d.mean, d.area, d.peak, force.norm()};
+}
+
+std::vector<RegionPlaces> make_places(const StudyFields& fields, const StudyRegionOptions& options, StudyNumbers& n) {
+  std::vector<RegionPlaces> places;
+  for (const StudySurfaceMesh& s : fields.surfaces) {
+    RegionPlaces r{regions_of(s, options), 0, vertex_area_vectors(s.geometry)};
+    r.first = n.places.size();
+    for (std::size_t i = 0; i < places.size(); ++i)  // models with other meshes share places of one contact
+      if (fields.surfaces[i].contact == s.contact && fields.surfaces[i].contact_id == s.contact_id)
+        r.first = places[i].first;
+    if (r.first == n.places.size())
+      for (const std::string& name : r.regions.names) n.places.push_back({s.contact_id, s.contact, name});
+    places.push_back(std::move(r));
+  }
+  return places;
+}
+
+}  // namespace
+
+Regions regions_of(const StudySurfaceMesh& s, const StudyRegionOptions& o) {
+  SurfaceFrame frame = surface_frame(s.geometry);
+  if (o.axis) frame.axis = o.axis->normalized();
+  if (o.center) frame.center = *o.center;
+  if (!(frame.axis.norm() > 0))
+    throw UsageError("surface \"" + s.surface + "\" is closed and has no axis of its own, expected one to be given");
+  return laid_out(s.geometry.mesh.vertices, frame, o, *o.up, o.anterior.value_or(Vector3d::Zero()));
+}
+
+void add_regions(const std::string& path, const StudyFields& fields, const StudyRegionOptions& options,
+                 StudyNumbers& n) {
+  const StudyRows thresholds = read_rows(path, {"headline_above"});
+  std::map<std::tuple<std::size_t, std::size_t, int, std::string>, double> above;
+  for (std::size_t r = 0; r < thresholds.case_id.size(); ++r) {
+    const StudyPlace& place = thresholds.places[at(thresholds.place[r])];
+    const int c = n.case_of(static_cast<double>(thresholds.case_id[r]));
+    if (place.part.empty() && c >= 0)
+      above[{at(c), at(thresholds.state[r] - 1), place.contact_id, place.contact}] = thresholds.numbers[0][r];
+  }
+  const std::vector<RegionPlaces> places = make_places(fields, options, n);
+  for (auto& of_statistic : n.values)  // of what is not among headline_statistics regions have none
+    of_statistic.resize(n.places.size(), std::vector<double>(n.cases.size() * n.choices(), kNaN));
+  each_pressure(
+      path, n, fields, [](const StudyField&) { return true; },
+      [&](const StudyField& f, std::vector<double>&& pressure) {
+        const StudySurfaceMesh& s = fields.surfaces[at(f.surface)];
+        const RegionPlaces& r = places[at(f.surface)];
+        const auto found = above.find({f.c, f.state, s.contact_id, s.contact});
+        const double threshold = found == above.end() || std::isnan(found->second) ? 0.0 : found->second;
+        for (std::size_t k = 0; k < r.regions.names.size(); ++k) {
+          const std::array<double, 5> numbers = numbers_in(s, r, static_cast<int>(k), pressure, threshold);
+          for (std::size_t i = 0; i < numbers.size(); ++i)
+            n.values[i][r.first + k][f.c * n.choices() + f.state] = numbers[i];
+        }
+      });
+  add_largest(n);
 }
 
 }  // namespace dea
