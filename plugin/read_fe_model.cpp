@@ -145,52 +145,6 @@ void read_mesh(Reading& reading) {
 
 // -- materials ---------------------------------------------------------------------------------------
 
-/// Value of an expression without variables.
-void set_constant(MaterialTree::Constant& constant, const char* name, const std::string& expression) {
-  try {
-    constant.value = constant_value(expression);
-  } catch (const InputError& error) {
-    constant.why = fmt::format("{}: {}", name, error.what());
-  }
-}
-
-MaterialTree tree_of(Reading& reading, FECoreBase& material) {
-  MaterialTree tree;
-  tree.type = type_of(material);
-  FEParameterList& list = material.GetParameterList();
-  FEParamIterator it = list.first();
-  for (int i = 0; i < list.Parameters(); ++i, ++it) {
-    FEParam& parameter = *it;
-    const char* name = parameter.name();
-    MaterialTree::Constant constant;
-    if (controller_of(reading, parameter) >= 0) {
-      constant.why = fmt::format("{} follows a load controller", name);
-    } else if (const auto number = number_of(parameter)) {
-      constant.value = *number;
-    } else if (parameter.type() == FE_PARAM_DOUBLE_MAPPED) {
-      FEScalarValuator* values = parameter.value<FEParamDouble>().valuator();
-      const std::string kind = kind_of(parameter), text = kind == "math" ? text_of(*values, "math") : "";
-      if (!text.empty() && expression_fault(text, {}).empty())
-        set_constant(constant, name, text);
-      else
-        constant.why = fmt::format("{} is a {}, not one number", name, quote(kind));
-    } else {
-      continue;  // vectors and texts: no constants of elasticity
-    }
-    tree.constants.emplace(name, constant);
-  }
-  for (int i = 0; i < material.PropertyClasses(); ++i) {
-    FEProperty& property = *material.PropertyClass(i);
-    if (property.IsReference()) continue;
-    for (int k = 0; k < property.size(); ++k) {
-      if (property.get(k) == nullptr) continue;
-      tree.parts.push_back(tree_of(reading, *property.get(k)));
-      tree.parts.back().tag = property.GetName();
-    }
-  }
-  return tree;
-}
-
 void read_materials(Reading& reading) {
   JointModel& model = reading.model;
   for (int i = 0; i < reading.fem.Materials(); ++i) {
@@ -201,17 +155,17 @@ void read_materials(Reading& reading) {
     material.name = fe->GetName();
     material.type = type_of(*fe);
     material.rigid = material.type == "rigid body";
-    const MaterialTree tree = tree_of(reading, *fe);
+    const febio::Component given = component_of(reading, *fe, "material");
     if (material.rigid) {
-      if (flag(*fe, "override_com"))
+      if (febio::flag_of(reading, given, "override_com"))
         material.center_of_mass = vector_of(need_parameter(reading, *fe, "center_of_mass").value<vec3d>());
       material.note = "rigid body";
     } else {
       // FEBio's reader has added nested k of old files already.
-      set_elasticity(material, tree, false, model);
+      set_elasticity(material, given, false, model);
     }
     std::string why;
-    set_density(material, tree, model, why);
+    set_density(material, given, model, why);
     if (std::isnan(material.density) && material.rigid && !material.center_of_mass)
       unsupported(reading, fmt::format("rigid body whose density is not one number ({})", why),
                   "give it a center_of_mass");

@@ -22,6 +22,8 @@ struct Component {
   std::optional<std::string> lc;  ///< of a parameter: the id of the load controller that scales it, as in a file
   std::vector<Component> parts;   ///< parameters and parts, in order; a parameter that is absent has FEBio's default
   Origin origin;                  ///< {0, 0}: in no file
+
+  const std::string& type_or_tag() const { return type.empty() ? tag : type; }
 };
 
 /// A model while it is filled, and where its remarks are. Controllers are stored by their ids, 0 or -1 for none, until
