@@ -379,29 +379,21 @@ void read_constraints(Reading& reading) {
 void read_contacts(Reading& reading) {
   for (int i = 0; i < reading.fem.SurfacePairConstraints(); ++i) {
     FESurfacePairConstraint& fe = *reading.fem.SurfacePairConstraint(i);
-    Contact contact;
-    contact.type = type_of(fe);
-    const auto kind = febio::contact_kind(contact.type);
-    if (!kind) {
-      unsupported(reading, fmt::format("contact {}", quote(contact.type)),
-                  febio::word_advice(febio::WordOf::Contact, contact.type));
+    const std::string type = type_of(fe);
+    if (!febio::contact_kind(type)) {
+      unsupported(reading, fmt::format("contact {}", quote(type)), febio::word_advice(febio::WordOf::Contact, type));
       continue;
     }
-    contact.primary = surface_index(reading, fe.GetPrimarySurface());
-    contact.secondary = surface_index(reading, fe.GetSecondarySurface());
-    if (contact.primary < 0 || contact.secondary < 0) {
+    const int primary = surface_index(reading, fe.GetPrimarySurface());
+    const int secondary = surface_index(reading, fe.GetSecondarySurface());
+    if (primary < 0 || secondary < 0) {
       unsupported(reading,
                   fmt::format("contact {} with a surface that is no Surface of the mesh", quote(fe.GetName())));
       continue;
     }
-    contact.name = fe.GetName();
-    if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
-    contact.kind = *kind;
-    const febio::Component component = component_of(reading, fe, "contact");
-    contact.max_distance = febio::tie_reach(reading, component);
-    contact.closes_gap = febio::closes_gap(component);
-    contact.ignored = febio::ignored_contact_parameters(component);
-    febio::refuse_contact_parameters(reading, component);
+    Contact contact = febio::contact_of(reading, component_of(reading, fe, "contact"));
+    contact.primary = primary;
+    contact.secondary = secondary;
     if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));
