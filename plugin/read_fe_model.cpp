@@ -36,7 +36,6 @@
 #include "plugin/contact_statement.h"
 #include "plugin/fe_reading.h"
 #include "src/base/error.h"
-#include "src/model/load_curve.h"
 
 namespace dea {
 
@@ -176,15 +175,6 @@ void read_materials(Reading& reading) {
 
 // -- steps and load controllers ----------------------------------------------------------------------
 
-/// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which change as it is solved.
-void set_expression(Reading& reading, FECoreBase& fe, LoadController& controller) {
-  controller.expression = text_of(fe, "math");
-  std::string fault = expression_fault(controller.expression, {"t"});
-  if (!need_parameter(reading, fe, "var").value<std::vector<std::string>>().empty())
-    fault = "a <var>, a number of FEBio's model";
-  if (!fault.empty()) controller.unsupported = fmt::format("expression {}: {}", quote(controller.expression), fault);
-}
-
 /// Interpolation, extension and points of a curve.
 void set_curve(LoadController& curve, const FELoadCurve& fe) {
   febio::set_interpolate(curve, std::to_string(fe.GetInterpolation()));
@@ -202,7 +192,8 @@ void read_controllers(Reading& reading) {
     if (const auto* curve = dynamic_cast<const FELoadCurve*>(&fe))
       set_curve(controller, *curve);
     else if (type_of(fe) == "math")
-      set_expression(reading, fe, controller);
+      febio::set_expression(controller, text_of(fe, "math"),
+                            !need_parameter(reading, fe, "var").value<std::vector<std::string>>().empty());
     else
       controller.unsupported = fmt::format("type {}", quote(type_of(fe)));
     reading.model.controllers.push_back(std::move(controller));

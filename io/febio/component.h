@@ -97,6 +97,8 @@ void read_curve(const Draft& draft, const Component& component, LoadController& 
 /// A word of FEBio's, or its place; what is none is told in `unsupported` of the curve.
 void set_interpolate(LoadController& curve, std::string_view word);
 void set_extend(LoadController& curve, std::string_view word);
+/// An expression in t; one with variables of its own, which are numbers of FEBio's model, is told in `unsupported`.
+void set_expression(LoadController& curve, std::string_view math, bool own_variables);
 /// "t,v" as the next point.
 void add_point(const Draft& draft, Origin origin, std::string_view text, LoadController& curve);
 /// Index of the load controller with this id; -1 for 0 and -1. A fault at `origin` if there is none.
