@@ -4,7 +4,6 @@
 #include <FECore/FEModelParam.h>
 #include <fmt/format.h>
 
-
 #include "src/base/error.h"
 #include "src/base/parse.h"
 
