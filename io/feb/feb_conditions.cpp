@@ -51,13 +51,9 @@ void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_vi
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
   checked(reading, febio::Place::Boundary, element);
-  RigidNodes rigid;
-  rigid.material = need_rigid(reading, element, body);
-  rigid.nodes = nodes_of(reading, element);
-  rigid.step = reading.step;
-  rigid.name = name_of(element);
-  rigid.origin = origin_of(reading, element);
-  reading.model.rigid_nodes.push_back(std::move(rigid));
+  reading.model.rigid_nodes.push_back({{reading.step, name_of(element), origin_of(reading, element)},
+                                       need_rigid(reading, element, body),
+                                       nodes_of(reading, element)});
 }
 
 // -- rigid bodies, and what joins them -----------------------------------------------------------------

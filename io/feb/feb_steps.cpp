@@ -112,10 +112,7 @@ void complete_model(Reading& reading) {
   if (reading.controls.empty()) reading.controls.push_back(reading.top_control);
   double begin = 0.0;
   for (const Control& control : reading.controls) {
-    Step step;
-    step.name = control.name;
-    step.step_size = control.step_size;
-    step.origin = control.origin;
+    Step step = {control.name, 0.0, control.step_size, {}, control.origin};
     if (control.time_steps >= 0) {
       step.duration = control.time_steps * control.step_size;
     } else if (control.final_time && *control.final_time > 0) {
@@ -138,10 +135,8 @@ void complete_model(Reading& reading) {
   std::vector<NodeSet> named;
   for (const NodeRange& range : reading.node_ranges) {
     if (reading.node_set_index.count(range.name) > 0) continue;
-    NodeSet set;
-    set.name = range.name;
-    for (int node = range.begin; node < range.end; ++node) set.nodes.push_back(node);
-    named.push_back(std::move(set));
+    named.push_back({range.name, {}, {}});
+    for (int node = range.begin; node < range.end; ++node) named.back().nodes.push_back(node);
   }
   model.node_sets.insert(model.node_sets.begin(), named.begin(), named.end());
   model.node_ids = reading.nodes.take();

@@ -66,10 +66,7 @@ void fix_nodes(Draft& draft, const OnNodes& on, std::string_view dofs) {
 
 void fix_nodes(Draft& draft, const OnNodes& on, const std::array<bool, 3>& xyz) {
   if (!xyz[0] && !xyz[1] && !xyz[2]) return;
-  FixedNodes fixed;
-  fixed.nodes = on.nodes;
-  fixed.xyz = xyz;
-  add(draft.model.fixed_nodes, std::move(fixed), on.name, on.origin, on.steps);
+  add(draft.model.fixed_nodes, FixedNodes{{}, on.nodes, xyz}, on.name, on.origin, on.steps);
 }
 
 void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, const Scaled& value, bool relative) {
@@ -84,14 +81,9 @@ void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, cons
   } else if (value.factor == 0.0 && !relative) {
     fix_nodes(draft, on, name);
   } else {
-    PrescribedNodes prescribed;
-    prescribed.nodes = on.nodes;
-    prescribed.component = component;
-    prescribed.value = value;
-    prescribed.relative = relative;
     const std::string& called = !on.name.empty() ? on.name : on.node_set;
-    add(draft.model.prescribed_nodes, std::move(prescribed), called.empty() ? "moved nodes" : called, on.origin,
-        on.steps);
+    add(draft.model.prescribed_nodes, PrescribedNodes{{}, on.nodes, component, value, relative},
+        called.empty() ? "moved nodes" : called, on.origin, on.steps);
   }
 }
 
@@ -148,12 +140,11 @@ namespace {
 
 /// A force vector on each of the nodes.
 void nodal_force_vector(Draft& draft, const Component& value, OnNodes on) {
-  NodalForce load;
-  load.value = to_vector(draft, value.origin, value.tag, value.text);
-  load.controller = controller_of(draft, value);
-  if (load.value.isZero(0)) return ignore(draft, on.origin, "nodal load of zero");
-  load.nodes = std::move(on.nodes);
-  add(draft.model.nodal_forces, std::move(load), on.name, value.origin, on.steps);
+  const Vector3d force = to_vector(draft, value.origin, value.tag, value.text);
+  const int controller = controller_of(draft, value);
+  if (force.isZero(0)) return ignore(draft, on.origin, "nodal load of zero");
+  add(draft.model.nodal_forces, NodalForce{{}, std::move(on.nodes), force, controller}, on.name, value.origin,
+      on.steps);
 }
 
 }  // namespace
@@ -213,13 +204,13 @@ void rigid_fixed(Draft& draft, const Component& component, const Steps& steps) {
 
 /// `value`: null: 0.
 void rigid_prescribed(Draft& draft, const Component& component, int dof, const Component* value, const Steps& steps) {
-  RigidPrescribed motion;
-  motion.material = body_of(draft, component);
-  motion.dof = dof;
-  motion.value = value == nullptr ? Scaled{0.0, 0} : scaled(draft, *value);
-  motion.relative = flag_of(draft, component, "relative");
-  add(draft.model.rigid_prescribed, std::move(motion), component.name,
-      value == nullptr ? component.origin : value->origin, steps);
+  add(draft.model.rigid_prescribed,
+      RigidPrescribed{{},
+                      body_of(draft, component),
+                      dof,
+                      value == nullptr ? Scaled{0.0, 0} : scaled(draft, *value),
+                      flag_of(draft, component, "relative")},
+      component.name, value == nullptr ? component.origin : value->origin, steps);
 }
 
 /// In 4.0 the dofs of a displacement are x, y, z; a letter R before them is taken too.
