@@ -8,8 +8,8 @@
 #include "io/build/landmarks.h"
 #include "io/settings/setting_words.h"
 #include "io/surfaces/read_surface.h"
-#include "io/tables/number_table.h"
 #include "io/tables/read_tables.h"
+#include "io/tables/table.h"
 #include "src/base/names.h"
 #include "src/build/mend_surface.h"
 
@@ -349,7 +349,7 @@ void read_points(const std::string& path, const BuildSources& sources, Cartilage
   int column[4];
   const char* names[] = {"x", "y", "z", "thickness"};
   for (int i = 0; i < 4; ++i) {
-    column[i] = table.find(names[i]);
+    column[i] = find_column(table, names[i]);
     if (column[i] < 0)
       throw InputError(path, 0, fmt::format("found no column \"{}\", expected x, y, z, thickness", names[i]));
   }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "io/files/output.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"

@@ -2,7 +2,7 @@
 #include "fuzz/fuzz.h"
 #include "io/build/landmarks.h"
 #include "io/tables/read_tables.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/model/joint_model.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -138,13 +138,13 @@ struct FEDeaContact::Bed {
   const dea::SpringBed& bed() const { return beds.beds.front(); }
 };
 
-FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem), secondary_(fem) {
+FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), surfaces_{FEDeaSurface(fem), FEDeaSurface(fem)} {
   static int count = 1;
   SetID(count++);
-  primary_.SetContactInterface(this);
-  secondary_.SetContactInterface(this);
-  primary_.SetSibling(&secondary_);
-  secondary_.SetSibling(&primary_);
+  for (int side = 0; side < 2; ++side) {
+    surfaces_[side].SetContactInterface(this);
+    surfaces_[side].SetSibling(&surfaces_[1 - side]);
+  }
 }
 
 FEDeaContact::~FEDeaContact() = default;
@@ -246,7 +246,7 @@ void FEDeaContact::build() {
   model.contacts = {statement(model)};  // the others have nothing to do with this one
   int rigid_bodies[2];
   for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
+    FEDeaSurface& surface = surfaces_[side];
     int body = -1;
     for (int k = 0; k < surface.Nodes(); ++k) {
       const int b = surface.Node(k).m_rid;
@@ -265,8 +265,7 @@ void FEDeaContact::build() {
   bed->joint = dea::make_joint(model, settings);
   dea::ContactPair& pair = bed->joint.contacts.front();
   for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
-    surface.set_layer(pair.layers[side]);
+    surfaces_[side].set_layer(pair.layers[side]);
     FERigidBody* rigid = fem.GetRigidBody(rigid_bodies[side]);
     bed->bodies[side == pair.source ? 1 : 0] = rigid;
     // FEBio's own centre of mass, about which its equations are written
@@ -341,7 +340,7 @@ bool FEDeaContact::Init() {
   last_pressed_ = -1.0;
   bed_.reset();
   listen();
-  if (!FEContactInterface::Init() || !primary_.Init() || !secondary_.Init()) return false;
+  if (!FEContactInterface::Init() || !surfaces_[0].Init() || !surfaces_[1].Init()) return false;
   return guarded([&] { build(); });
 }
 
@@ -351,19 +350,13 @@ bool FEDeaContact::rebuild() {
   return guarded([&] { build(); });
 }
 
-void FEDeaContact::Activate() {
-  FEContactInterface::Activate();
-  Update();
-}
-
 void FEDeaContact::Reset() {
   if (bed_) bed_->evaluated = bed_->output = false;
 }
 
 void FEDeaContact::Serialize(DumpStream& archive) {
   FEContactInterface::Serialize(archive);
-  primary_.Serialize(archive);
-  secondary_.Serialize(archive);
+  for (FEDeaSurface& surface : surfaces_) surface.Serialize(archive);
   (void)(archive & last_pressed_);
   if (!archive.IsLoading()) return;
   if (bed_) bed_->evaluated = bed_->output = false;
@@ -444,10 +437,6 @@ bool FEDeaContact::evaluate(double alpha) {
     attempt_.resisted = dea::resisted_motions(b.springs, source, target, free);
   }
   return true;
-}
-
-void FEDeaContact::Update() {
-  // The poses are looked at where they are needed; a body that has not moved costs nothing.
 }
 
 void FEDeaContact::BuildMatrixProfile(FEGlobalMatrix& matrix) {
@@ -540,7 +529,7 @@ void FEDeaContact::make_fields() {
     std::vector<vec3d> tractions;
     for (std::size_t f = 0; f < area.size(); ++f)
       tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
-    (side == 0 ? primary_ : secondary_).set_fields(values, std::move(tractions));
+    surfaces_[side].set_fields(values, std::move(tractions));
   }
   b.output = true;
 }

@@ -49,14 +49,11 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   explicit FEDeaContact(FEModel* fem);
   ~FEDeaContact() override;
 
-  FESurface* GetPrimarySurface() override { return &primary_; }
-  FESurface* GetSecondarySurface() override { return &secondary_; }
+  FESurface* GetPrimarySurface() override { return &surfaces_[0]; }
+  FESurface* GetSecondarySurface() override { return &surfaces_[1]; }
   bool UseNodalIntegration() override { return false; }
 
   bool Init() override;
-  void Activate() override;
-  using FEContactInterface::Update;
-  void Update() override;
   void Reset() override;
   void Serialize(DumpStream& archive) override;
   void BuildMatrixProfile(FEGlobalMatrix& matrix) override;
@@ -89,7 +86,7 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   void warn_of_failure();      // FEBio found no balance: what this contact can say of why
   void fault(const char* what);
 
-  FEDeaSurface primary_, secondary_;
+  FEDeaSurface surfaces_[2];  // primary, secondary
   int law_ = 3, facets_ = 0, source_ = 0, refine_ = 1;
   double E_[2] = {0, 0}, nu_[2] = {0, 0};
   std::string

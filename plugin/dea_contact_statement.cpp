@@ -106,7 +106,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     if (self.GetFEModel()->GetLoadController(&*parameter) != nullptr)
       throw refuse_parameter(parameter->name(), " follows a load controller; the springs are made once, give a number");
   for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
+    FEDeaSurface& surface = self.surfaces_[side];
     const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
     int& index = side == 0 ? contact.primary : contact.secondary;
     for (std::size_t i = 0; i < model.surfaces.size(); ++i)
@@ -128,41 +128,42 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
       layer.nu = nu_[side];
     }
     const std::string given = dea::trimmed(thickness_[side]);
-    const auto refuse_thickness = [&](const std::string& what) { return refuse_parameter(tag, what); };
     FEMesh& mesh = self.GetFEModel()->GetMesh();
     const ParameterInFile* place = said(tag);
     const std::string type = place == nullptr ? "" : place->type;
     const dea::febio::ThicknessText meant = dea::febio::thickness_text(type, given);
     if (meant == dea::febio::ThicknessText::Refused)
-      throw refuse_thickness(fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
+      throw refuse_parameter(tag, fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
     if (meant == dea::febio::ThicknessText::Number) {
       const std::optional<double> t = dea::febio::whole_double(given);
-      if (!t) throw refuse_thickness(fmt::format(": found \"{}\", expected a number with a decimal point", given));
-      if (*t != kNotGiven && !(*t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", *t));
+      if (!t) throw refuse_parameter(tag, fmt::format(": found \"{}\", expected a number with a decimal point", given));
+      if (*t != kNotGiven && !(*t >= 0))
+        throw refuse_parameter(tag, fmt::format(": found {:g}, need a thickness >= 0", *t));
       if (*t != kNotGiven) layer.thickness = *t;
     } else if (meant == dea::febio::ThicknessText::Map) {
       FEDataMap* data = mesh.FindDataMap(given);
       if (data == nullptr) {
         const std::vector<std::string> maps = names_of_maps(mesh);
-        throw refuse_thickness(
-            fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
-                        dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
-                        dea::name_list(maps, given)));
+        throw refuse_parameter(
+            tag, fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
+                             dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
+                             dea::name_list(maps, given)));
       }
       auto* map = dynamic_cast<FESurfaceMap*>(data);
       if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
+        throw refuse_parameter(tag,
+                               fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
       const FEFacetSet* facets = map->GetFacetSet();
       if (facets == nullptr || facets->GetName() != name)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"", map->GetName(),
-                                           facets == nullptr ? "" : facets->GetName(), name));
+        throw refuse_parameter(tag, fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"",
+                                                map->GetName(), facets == nullptr ? "" : facets->GetName(), name));
       const dea::Surface& s = model.surfaces[at(index)];
       for (int f = 0; f < s.size(); ++f) {
         for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
           const double t = map->value<double>(f, k);
           if (!(t >= 0) || std::isinf(t))
-            throw refuse_thickness(
-                fmt::format(": the map \"{}\" is {:g} at facet {}, need a thickness >= 0", map->GetName(), t, f + 1));
+            throw refuse_parameter(tag, fmt::format(": the map \"{}\" is {:g} at facet {}, need a thickness >= 0",
+                                                    map->GetName(), t, f + 1));
           layer.thickness_map.push_back(t);
         }
       }

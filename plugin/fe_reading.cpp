@@ -4,8 +4,6 @@
 #include <FECore/FEModelParam.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "src/base/error.h"
 #include "src/base/parse.h"
 
@@ -37,29 +35,6 @@ FEParam& need_parameter(const Reading& reading, FECoreBase& object, const char* 
   FEParam* parameter = object.GetParameter(name);
   if (parameter == nullptr) fail(reading, fmt::format("{} without parameter {}", quote(type_of(object)), name));
   return *parameter;
-}
-
-std::optional<double> number_of(const FEParam& parameter) {
-  switch (parameter.type()) {
-    case FE_PARAM_INT:
-      return parameter.value<int>();
-    case FE_PARAM_BOOL:
-      return parameter.value<bool>() ? 1.0 : 0.0;
-    case FE_PARAM_DOUBLE:
-      return parameter.value<double>();
-    case FE_PARAM_DOUBLE_MAPPED: {
-      const auto& mapped = parameter.value<FEParamDouble>();
-      if (mapped.isConst()) return mapped.constValue();
-      return std::nullopt;
-    }
-    default:
-      return std::nullopt;
-  }
-}
-
-bool flag(FECoreBase& object, const char* name) {
-  const FEParam* parameter = object.GetParameter(name);
-  return parameter != nullptr && number_of(*parameter).value_or(0.0) != 0.0;
 }
 
 std::string text_of(FECoreBase& object, const char* name) {

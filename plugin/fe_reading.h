@@ -8,7 +8,6 @@
 #include <FECore/FEStepComponent.h>
 
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,10 +49,6 @@ std::string type_of(FECoreBase& object);
 /// Index of the load controller that a parameter follows; -1: none.
 int controller_of(Reading& reading, FEParam& parameter);
 FEParam& need_parameter(const Reading& reading, FECoreBase& object, const char* name);
-/// A parameter that is one number now; nothing for a map, an expression, a vector.
-std::optional<double> number_of(const FEParam& parameter);
-/// False also if there is no such parameter.
-bool flag(FECoreBase& object, const char* name);
 /// A text without spaces around it; "" if there is none.
 std::string text_of(FECoreBase& object, const char* name);
 /// FEBio's word for what gives a mapped parameter its values: "const", "math", "map", ...

@@ -36,7 +36,6 @@
 #include "plugin/contact_statement.h"
 #include "plugin/fe_reading.h"
 #include "src/base/error.h"
-#include "src/model/load_curve.h"
 
 namespace dea {
 
@@ -145,52 +144,6 @@ void read_mesh(Reading& reading) {
 
 // -- materials ---------------------------------------------------------------------------------------
 
-/// Value of an expression without variables.
-void set_constant(MaterialTree::Constant& constant, const char* name, const std::string& expression) {
-  try {
-    constant.value = constant_value(expression);
-  } catch (const InputError& error) {
-    constant.why = fmt::format("{}: {}", name, error.what());
-  }
-}
-
-MaterialTree tree_of(Reading& reading, FECoreBase& material) {
-  MaterialTree tree;
-  tree.type = type_of(material);
-  FEParameterList& list = material.GetParameterList();
-  FEParamIterator it = list.first();
-  for (int i = 0; i < list.Parameters(); ++i, ++it) {
-    FEParam& parameter = *it;
-    const char* name = parameter.name();
-    MaterialTree::Constant constant;
-    if (controller_of(reading, parameter) >= 0) {
-      constant.why = fmt::format("{} follows a load controller", name);
-    } else if (const auto number = number_of(parameter)) {
-      constant.value = *number;
-    } else if (parameter.type() == FE_PARAM_DOUBLE_MAPPED) {
-      FEScalarValuator* values = parameter.value<FEParamDouble>().valuator();
-      const std::string kind = kind_of(parameter), text = kind == "math" ? text_of(*values, "math") : "";
-      if (!text.empty() && expression_fault(text, {}).empty())
-        set_constant(constant, name, text);
-      else
-        constant.why = fmt::format("{} is a {}, not one number", name, quote(kind));
-    } else {
-      continue;  // vectors and texts: no constants of elasticity
-    }
-    tree.constants.emplace(name, constant);
-  }
-  for (int i = 0; i < material.PropertyClasses(); ++i) {
-    FEProperty& property = *material.PropertyClass(i);
-    if (property.IsReference()) continue;
-    for (int k = 0; k < property.size(); ++k) {
-      if (property.get(k) == nullptr) continue;
-      tree.parts.push_back(tree_of(reading, *property.get(k)));
-      tree.parts.back().tag = property.GetName();
-    }
-  }
-  return tree;
-}
-
 void read_materials(Reading& reading) {
   JointModel& model = reading.model;
   for (int i = 0; i < reading.fem.Materials(); ++i) {
@@ -201,17 +154,17 @@ void read_materials(Reading& reading) {
     material.name = fe->GetName();
     material.type = type_of(*fe);
     material.rigid = material.type == "rigid body";
-    const MaterialTree tree = tree_of(reading, *fe);
+    const febio::Component given = component_of(reading, *fe, "material");
     if (material.rigid) {
-      if (flag(*fe, "override_com"))
+      if (febio::flag_of(reading, given, "override_com"))
         material.center_of_mass = vector_of(need_parameter(reading, *fe, "center_of_mass").value<vec3d>());
       material.note = "rigid body";
     } else {
       // FEBio's reader has added nested k of old files already.
-      set_elasticity(material, tree, false, model);
+      set_elasticity(material, given, false, model);
     }
     std::string why;
-    set_density(material, tree, model, why);
+    set_density(material, given, model, why);
     if (std::isnan(material.density) && material.rigid && !material.center_of_mass)
       unsupported(reading, fmt::format("rigid body whose density is not one number ({})", why),
                   "give it a center_of_mass");
@@ -221,15 +174,6 @@ void read_materials(Reading& reading) {
 }
 
 // -- steps and load controllers ----------------------------------------------------------------------
-
-/// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which change as it is solved.
-void set_expression(Reading& reading, FECoreBase& fe, LoadController& controller) {
-  controller.expression = text_of(fe, "math");
-  std::string fault = expression_fault(controller.expression, {"t"});
-  if (!need_parameter(reading, fe, "var").value<std::vector<std::string>>().empty())
-    fault = "a <var>, a number of FEBio's model";
-  if (!fault.empty()) controller.unsupported = fmt::format("expression {}: {}", quote(controller.expression), fault);
-}
 
 /// Interpolation, extension and points of a curve.
 void set_curve(LoadController& curve, const FELoadCurve& fe) {
@@ -248,7 +192,8 @@ void read_controllers(Reading& reading) {
     if (const auto* curve = dynamic_cast<const FELoadCurve*>(&fe))
       set_curve(controller, *curve);
     else if (type_of(fe) == "math")
-      set_expression(reading, fe, controller);
+      febio::set_expression(controller, text_of(fe, "math"),
+                            !need_parameter(reading, fe, "var").value<std::vector<std::string>>().empty());
     else
       controller.unsupported = fmt::format("type {}", quote(type_of(fe)));
     reading.model.controllers.push_back(std::move(controller));
@@ -425,29 +370,21 @@ void read_constraints(Reading& reading) {
 void read_contacts(Reading& reading) {
   for (int i = 0; i < reading.fem.SurfacePairConstraints(); ++i) {
     FESurfacePairConstraint& fe = *reading.fem.SurfacePairConstraint(i);
-    Contact contact;
-    contact.type = type_of(fe);
-    const auto kind = febio::contact_kind(contact.type);
-    if (!kind) {
-      unsupported(reading, fmt::format("contact {}", quote(contact.type)),
-                  febio::word_advice(febio::WordOf::Contact, contact.type));
+    const std::string type = type_of(fe);
+    if (!febio::contact_kind(type)) {
+      unsupported(reading, fmt::format("contact {}", quote(type)), febio::word_advice(febio::WordOf::Contact, type));
       continue;
     }
-    contact.primary = surface_index(reading, fe.GetPrimarySurface());
-    contact.secondary = surface_index(reading, fe.GetSecondarySurface());
-    if (contact.primary < 0 || contact.secondary < 0) {
+    const int primary = surface_index(reading, fe.GetPrimarySurface());
+    const int secondary = surface_index(reading, fe.GetSecondarySurface());
+    if (primary < 0 || secondary < 0) {
       unsupported(reading,
                   fmt::format("contact {} with a surface that is no Surface of the mesh", quote(fe.GetName())));
       continue;
     }
-    contact.name = fe.GetName();
-    if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
-    contact.kind = *kind;
-    const febio::Component component = component_of(reading, fe, "contact");
-    contact.max_distance = febio::tie_reach(reading, component);
-    contact.closes_gap = febio::closes_gap(component);
-    contact.ignored = febio::ignored_contact_parameters(component);
-    febio::refuse_contact_parameters(reading, component);
+    Contact contact = febio::contact_of(reading, component_of(reading, fe, "contact"));
+    contact.primary = primary;
+    contact.secondary = secondary;
     if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "python/bind.h"
 #include "python/errors.h"
 #include "python/plain.h"

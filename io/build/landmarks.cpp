@@ -10,7 +10,7 @@
 #include "io/febio/febio_text.h"
 #include "io/files/free_memory.h"
 #include "io/files/output.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
 

@@ -51,13 +51,9 @@ void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_vi
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
   checked(reading, febio::Place::Boundary, element);
-  RigidNodes rigid;
-  rigid.material = need_rigid(reading, element, body);
-  rigid.nodes = nodes_of(reading, element);
-  rigid.step = reading.step;
-  rigid.name = name_of(element);
-  rigid.origin = origin_of(reading, element);
-  reading.model.rigid_nodes.push_back(std::move(rigid));
+  reading.model.rigid_nodes.push_back({{reading.step, name_of(element), origin_of(reading, element)},
+                                       need_rigid(reading, element, body),
+                                       nodes_of(reading, element)});
 }
 
 // -- rigid bodies, and what joins them -----------------------------------------------------------------
@@ -168,8 +164,6 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary) {
-  Contact contact;
-  contact.type = need_attribute(reading, element, "type");
   for (const int index : {primary, secondary}) {
     const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
     if (surface.size() == 0) {
@@ -178,16 +172,9 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
                        quote(name_of(element)), quote(surface.name)));
     }
   }
-  contact.name = name_of(element);
-  if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
-  contact.kind = *febio::contact_kind(contact.type);
+  Contact contact = febio::contact_of(reading, checked(reading, febio::Place::Contact, element));
   contact.primary = primary;
   contact.secondary = secondary;
-  const febio::Component component = checked(reading, febio::Place::Contact, element);
-  contact.max_distance = febio::tie_reach(reading, component);
-  contact.closes_gap = febio::closes_gap(component);
-  contact.ignored = febio::ignored_contact_parameters(component);
-  febio::refuse_contact_parameters(reading, component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
   contact.step = reading.step;
   contact.origin = origin_of(reading, element);

@@ -1,55 +1,13 @@
-// Materials of a file as trees; io/febio/febio_material.cpp reduces them to density and small-strain E and nu.
+// Materials of a file; io/febio/febio_material.cpp reduces them to density and small-strain E and nu.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "io/feb/feb_reading.h"
 #include "io/febio/febio_material.h"
-#include "src/base/error.h"
-#include "src/base/parse.h"
-#include "src/model/load_curve.h"
 
 namespace dea::feb {
 namespace {
-
-MaterialTree::Constant read_constant(const Reading& reading, const XMLElement& element) {
-  MaterialTree::Constant constant;
-  constant.origin = origin_of(reading, element);
-  const std::string text = text_of(element);
-  const std::string kind = attribute(element, "type");
-  const auto value = whole_double(text);
-  const bool math = kind == "math" || (kind.empty() && !value);
-  if (math && element.Attribute("lc") == nullptr && is_leaf(element) && expression_fault(text, {}).empty()) {
-    try {
-      constant.value = constant_value(text);
-    } catch (const InputError& error) {
-      constant.why = fmt::format("{}: {}", element.Name(), error.what());
-    }
-  } else if (!kind.empty() && kind != "const") {
-    constant.why = fmt::format("{} is a {}, not one number", element.Name(), quote(kind));
-  } else if (element.Attribute("lc") != nullptr) {
-    constant.why = fmt::format("{} follows a load controller", element.Name());
-  } else if (!value) {
-    constant.why = fmt::format("{} = {} is not one number{}", element.Name(), quote(trim(text)),
-                               has_decimal_comma(text) ? ": write it with a decimal point" : "");
-  } else {
-    constant.value = *value;
-  }
-  return constant;
-}
-
-/// A material with all its children: each is a constant or a nested material, whatever its name asks for.
-MaterialTree read_tree(const Reading& reading, const XMLElement& element) {
-  MaterialTree tree;
-  tree.tag = element.Name();
-  tree.type = element.Attribute("type") != nullptr ? attribute(element, "type") : tree.tag;
-  tree.origin = origin_of(reading, element);
-  for (const XMLElement& child : children(element)) {
-    tree.parts.push_back(read_tree(reading, child));
-    tree.constants.emplace(child.Name(), read_constant(reading, child));  // the first of several
-  }
-  return tree;
-}
 
 /// FEBio's: a centre of mass that is written counts, unless <override_com> behind it says 0; 1 without one is the
 /// origin.
@@ -103,8 +61,8 @@ void read_material(Reading& reading, const XMLElement& element) {
   }
   material.type = need_attribute(reading, element, "type");
   material.rigid = material.type == "rigid body";
-  febio::check_material_words(reading, component_of(reading, element));
-  const MaterialTree tree = read_tree(reading, element);
+  const febio::Component given = component_of(reading, element);
+  febio::check_material_words(reading, given);
   if (material.rigid) {
     read_center_of_mass(reading, element, material);
     if (const XMLElement* parent = element.FirstChildElement("parent_id");
@@ -113,10 +71,10 @@ void read_material(Reading& reading, const XMLElement& element) {
                   "give its elements the parent's material: both are one body then");
     material.note = "rigid body";
   } else {
-    set_elasticity(material, tree, reading.rules->up_to_25, reading.model);
+    set_elasticity(material, given, reading.rules->up_to_25, reading.model);
   }
   std::string why;
-  set_density(material, tree, reading.model, why);
+  set_density(material, given, reading.model, why);
   if (std::isnan(material.density) && material.rigid && !material.center_of_mass) {
     unsupported(reading, *element.FirstChildElement("density"),
                 fmt::format("rigid body whose density is not one number ({})", why), "give it a center_of_mass");

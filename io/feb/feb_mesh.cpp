@@ -281,9 +281,7 @@ void append_node_id(Reading& reading, const XMLElement& element, int id, std::ve
 }  // namespace
 
 void read_node_set(Reading& reading, const XMLElement& section) {
-  NodeSet set;
-  set.name = full_name(reading, need_attribute(reading, section, "name"));
-  set.origin = origin_of(reading, section);
+  NodeSet set = {full_name(reading, need_attribute(reading, section, "name")), {}, origin_of(reading, section)};
   if (is_leaf(section)) {
     read_ranges(reading, section, [&](int id) { append_node_id(reading, section, id, set.nodes); });
   }
@@ -314,9 +312,7 @@ void read_node_set(Reading& reading, const XMLElement& section) {
 namespace {
 
 void read_element_set(Reading& reading, const XMLElement& section) {
-  ElementSet set;
-  set.name = need_attribute(reading, section, "name");
-  set.origin = origin_of(reading, section);
+  ElementSet set = {need_attribute(reading, section, "name"), {}, origin_of(reading, section)};
   const auto add = [&](const XMLElement& element, int id) {
     if (reading.elements.find(id) < 0) {
       fail(reading, element,
@@ -393,9 +389,7 @@ void read_named_surface(Reading& reading, const XMLElement& section) {
 }
 
 int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces) {
-  Surface surface;
-  surface.name = name;
-  surface.origin = origin_of(reading, section);
+  Surface surface = {name, {0}, {}, origin_of(reading, section)};
   for (const XMLElement& child : children(section)) {
     if (std::strcmp(child.Name(), "Surface") == 0) {
       append_surface(reading, child, surface);
@@ -434,9 +428,7 @@ void read_edge(Reading& reading, const XMLElement& section) {
 }
 
 void read_discrete_set(Reading& reading, const XMLElement& section) {
-  DiscreteSet set;
-  set.name = need_attribute(reading, section, "name");
-  set.origin = origin_of(reading, section);
+  DiscreteSet set = {need_attribute(reading, section, "name"), {}, origin_of(reading, section)};
   for (const XMLElement& child : children(section)) {
     set.pairs.push_back(read_node_pair(
         reading, child, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name))));
@@ -466,9 +458,7 @@ int part_list_surface(Reading& reading, const XMLElement& element, const std::st
     fail(reading, element, fmt::format("{} names no part list, expected the name of a PartList above it", quote(name)));
   }
   std::map<std::vector<int>, int> uses;  // by sorted corners
-  Surface surface;
-  surface.name = name;
-  surface.origin = origin_of(reading, element);
+  Surface surface = {name, {0}, {}, origin_of(reading, element)};
   for (const bool counting : {true, false}) {
     for (const std::string& part : list->second) {
       for (const int index : reading.domain_index.find(part)->second) {
@@ -823,14 +813,8 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
   }
   count_entries(reading, element, nodes.size());
   // Each node once, in the order of its first appearance.
-  std::vector<bool> seen(model.nodes.size(), false);
-  std::size_t kept = 0;
-  for (const int node : nodes) {
-    if (seen[static_cast<std::size_t>(node)]) continue;
-    seen[static_cast<std::size_t>(node)] = true;
-    nodes[kept++] = node;
-  }
-  nodes.resize(kept);
+  std::vector<char> seen(model.nodes.size(), 0);
+  std::erase_if(nodes, [&](int node) { return std::exchange(seen[at(node)], 1) != 0; });
   return nodes;
 }
 

@@ -39,12 +39,8 @@ void read_rigid_nodes(Reading& reading, const XMLElement& element) {
   for (const XMLElement& child : children(element)) {
     const std::string rb = need_attribute(reading, child, "rb");
     if (runs.empty() || rb != body) {
-      RigidNodes rigid;
-      rigid.material = need_rigid(reading, child, rb);
-      rigid.step = reading.step;
-      rigid.name = attribute(element, "name");
-      rigid.origin = origin_of(reading, child);
-      runs.push_back(std::move(rigid));
+      const Condition condition = {reading.step, attribute(element, "name"), origin_of(reading, child)};
+      runs.push_back({condition, need_rigid(reading, child, rb), {}});
       body = rb;
     }
     runs.back().nodes.push_back(need_listed_node(reading, child));
@@ -55,8 +51,7 @@ void read_rigid_nodes(Reading& reading, const XMLElement& element) {
 /// Nodes listed as children with one and the same value.
 struct NodeValues {
   std::string dof;
-  int controller = 0;  ///< id, 0: none
-  double value = 0.0;
+  Scaled value;  ///< its controller: an id, 0: none
   const XMLElement* element = nullptr;
   std::vector<int> nodes;
 };
@@ -72,12 +67,12 @@ std::vector<NodeValues> node_values(Reading& reading, const XMLElement& element,
     group.dof = child.Attribute("bc") != nullptr ? attribute(child, "bc") : bc;
     if (group.dof.empty()) need_attribute(reading, child, "bc");
     check_attributes(reading, child);
-    group.controller = child.Attribute("lc") != nullptr ? read_lc(reading, child) : lc;
-    group.value = trim(text_of(child)).empty() ? usual : read_double(reading, child);
+    group.value.controller = child.Attribute("lc") != nullptr ? read_lc(reading, child) : lc;
+    group.value.factor = trim(text_of(child)).empty() ? usual : read_double(reading, child);
     group.element = &child;
     const int node = need_listed_node(reading, child);
     const auto [place, is_new] =
-        index.try_emplace(std::make_tuple(group.dof, group.controller, group.value), groups.size());
+        index.try_emplace(std::make_tuple(group.dof, group.value.controller, group.value.factor), groups.size());
     if (is_new) groups.push_back(std::move(group));
     groups[place->second].nodes.push_back(node);
   }
@@ -99,7 +94,7 @@ std::vector<NodeValues> values_of_nodes(Reading& reading, const XMLElement& elem
   const double all = value_of_all(reading, element);
   if (element.FirstChildElement("node") != nullptr) return node_values(reading, element, all);
   const int controller = read_lc(reading, element);
-  return {{need_attribute(reading, element, "bc"), controller, all, &element, nodes_of(reading, element)}};
+  return {{need_attribute(reading, element, "bc"), {all, controller}, &element, nodes_of(reading, element)}};
 }
 
 /// What a <spring> says of itself, in the words of a discrete material.
@@ -170,14 +165,13 @@ void read_old_fix(Reading& reading, const XMLElement& element) {
 /// `<node id="" bc="">value</node>`; values at the element are for all nodes.
 void read_old_prescribe(Reading& reading, const XMLElement& element) {
   for (NodeValues& group : values_of_nodes(reading, element))
-    febio::prescribe_nodes(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
-                           Scaled{group.value, group.controller}, attribute(element, "type") == "relative");
+    febio::prescribe_nodes(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof, group.value,
+                           attribute(element, "type") == "relative");
 }
 
 void read_old_nodal_force(Reading& reading, const XMLElement& element) {
   for (NodeValues& group : values_of_nodes(reading, element))
-    febio::nodal_force(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
-                       {group.value, group.controller});
+    febio::nodal_force(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof, group.value);
 }
 
 // -- rigid bodies ------------------------------------------------------------------------------------
@@ -185,11 +179,8 @@ void read_old_nodal_force(Reading& reading, const XMLElement& element) {
 /// A `<rigid_body>`: what `read` makes of each child; what it fixes gathers in `body`.
 void read_body(Reading& reading, const XMLElement& section,
                void (*read)(Reading& reading, const XMLElement& child, RigidFixed& body)) {
-  RigidFixed body;
-  body.material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
-  body.step = reading.step;
-  body.name = attribute(section, "name");
-  body.origin = origin_of(reading, section);
+  RigidFixed body = {{reading.step, attribute(section, "name"), origin_of(reading, section)},
+                     need_rigid(reading, section, need_attribute(reading, section, "mat"))};
   for (const XMLElement& child : children(section)) read(reading, child, body);
   if (body.dofs != std::array<bool, kDofs>{}) febio::add_old_fix(reading, std::move(body));
 }

@@ -149,7 +149,8 @@ febio::Component component_of(const Reading& reading, const XMLElement& element)
   if (const char* lc = element.Attribute("lc")) component.lc = lc;
   component.origin = origin_of(reading, element);
   for (const XMLElement& child : children(element))
-    if (!one_of(child.Name(), {"node", "surface"})) component.parts.push_back(component_of(reading, child));
+    if (component.tag == "points" || !one_of(child.Name(), {"node", "surface"}))
+      component.parts.push_back(component_of(reading, child));
   return component;
 }
 

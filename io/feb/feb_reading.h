@@ -228,7 +228,7 @@ int read_lc(const Reading& reading, const XMLElement& element);
 /// A number with an optional `lc`; its `controller` holds the id (0: none) until all is read.
 Scaled read_scaled(const Reading& reading, const XMLElement& element);
 /// An element with its children, as it stands; without lists of nodes and facets (`node`, `surface`), which may be long
-/// and are read by themselves.
+/// and are read by themselves. A curve's `points` may have any name.
 febio::Component component_of(const Reading& reading, const XMLElement& element);
 /// The same, its parameters compared with FEBio's.
 febio::Component checked(Reading& reading, febio::Place place, const XMLElement& element);
@@ -238,8 +238,6 @@ febio::Steps steps_of(const Reading& reading);
 std::string child_text(const XMLElement& parent, const char* name);
 /// Two node ids "n1,n2" as indices.
 std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what);
-/// Interpolation, way to extend and points of a curve; the element's children, or for `old` its attributes and points.
-void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve);
 
 // -- references ------------------------------------------------------------------------------------
 

@@ -1,13 +1,9 @@
 // Control, load controllers, and what can only be known at the end: steps, must points, references to controllers.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "io/feb/feb_reading.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
-#include "src/model/load_curve.h"
 
 namespace dea::feb {
 namespace {
@@ -22,12 +18,6 @@ void read_analysis(Reading& reading, const XMLElement& element) {
   }
 }
 
-/// Points of a curve: children of any name, "t,v".
-void read_points(const Reading& reading, const XMLElement& element, LoadController& curve) {
-  for (const XMLElement& child : children(element))
-    febio::add_point(reading, origin_of(reading, child), text_of(child), curve);
-}
-
 std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
   const int index = febio::need_controller(model, control.dtmax_controller, control.dtmax_origin);
   if (index < 0) return {};
@@ -40,33 +30,30 @@ std::vector<double> must_points(JointModel& model, const Control& control, doubl
   return febio::must_points(curve, begin, end);
 }
 
-/// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which are not known here.
-void read_expression(const Reading& reading, const XMLElement& element, LoadController& curve) {
-  const XMLElement* math = element.FirstChildElement("math");
-  if (math == nullptr)
+/// `<loadcurve>`: interpolation and way to extend are attributes, and children of any name the points.
+void read_old_curve(const Reading& reading, const XMLElement& element, LoadController& curve) {
+  if (!attribute(element, "type").empty()) febio::set_interpolate(curve, attribute(element, "type"));
+  if (element.Attribute("extend") != nullptr) febio::set_extend(curve, attribute(element, "extend"));
+  for (const XMLElement& child : children(element))
+    febio::add_point(reading, origin_of(reading, child), text_of(child), curve);
+  febio::check_times(curve);
+}
+
+void read_controller(Reading& reading, const XMLElement& element, LoadController& curve) {
+  const febio::Component component = checked(reading, febio::Place::Controller, element);
+  const std::string& type = component.type;
+  const febio::Component* math = febio::find(component, "math");
+  if (type.empty() || type == "loadcurve")
+    febio::read_curve(reading, component, curve);
+  else if (type != "math")
+    curve.unsupported = fmt::format("type {}{}", quote(type), did_you_mean(type, {"loadcurve", "math"}));
+  else if (math == nullptr)
     fail(reading, element, "load controller of type math without <math>: add it, an expression in t");
-  const std::string text = text_of(*math);
-  curve.expression = trim(text);
-  std::string fault = expression_fault(curve.expression, {"t"});
-  if (element.FirstChildElement("var") != nullptr) fault = "a <var>, a number of FEBio's model";
-  if (!fault.empty()) curve.unsupported = fmt::format("expression {}: {}", quote(curve.expression), fault);
+  else
+    febio::set_expression(curve, math->text, febio::find(component, "var") != nullptr);
 }
 
 }  // namespace
-
-void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve) {
-  if (old) {
-    if (!attribute(element, "type").empty()) febio::set_interpolate(curve, attribute(element, "type"));
-    if (element.Attribute("extend") != nullptr) febio::set_extend(curve, attribute(element, "extend"));
-    read_points(reading, element, curve);
-  } else {
-    if (const XMLElement* word = element.FirstChildElement("interpolate"))
-      febio::set_interpolate(curve, text_of(*word));
-    if (const XMLElement* word = element.FirstChildElement("extend")) febio::set_extend(curve, text_of(*word));
-    if (const XMLElement* points = element.FirstChildElement("points")) read_points(reading, *points, curve);
-  }
-  febio::check_times(curve);
-}
 
 void read_control(Reading& reading, const XMLElement& section) {
   Control& control = reading.control();
@@ -106,16 +93,11 @@ void read_load_data(Reading& reading, const XMLElement& element) {
   curve.id = read_id(reading, element);
   curve.name = attribute(element, "name");
   curve.origin = origin_of(reading, element);
-  const std::string type = attribute(element, "type");
   check_attributes(reading, element);
-  if (tag == "load_controller") checked(reading, febio::Place::Controller, element);
-  if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
-    read_curve(reading, element, tag == "loadcurve", curve);
-  } else if (type == "math") {
-    read_expression(reading, element, curve);
-  } else {
-    curve.unsupported = fmt::format("type {}{}", quote(type), did_you_mean(type, {"loadcurve", "math"}));
-  }
+  if (tag == "loadcurve")
+    read_old_curve(reading, element, curve);
+  else
+    read_controller(reading, element, curve);
   for (const LoadController& other : reading.model.controllers) {
     if (other.id == curve.id)
       fail(reading, element, fmt::format("load controller {} exists twice: renumber one", curve.id));
@@ -130,10 +112,7 @@ void complete_model(Reading& reading) {
   if (reading.controls.empty()) reading.controls.push_back(reading.top_control);
   double begin = 0.0;
   for (const Control& control : reading.controls) {
-    Step step;
-    step.name = control.name;
-    step.step_size = control.step_size;
-    step.origin = control.origin;
+    Step step = {control.name, 0.0, control.step_size, {}, control.origin};
     if (control.time_steps >= 0) {
       step.duration = control.time_steps * control.step_size;
     } else if (control.final_time && *control.final_time > 0) {
@@ -156,10 +135,8 @@ void complete_model(Reading& reading) {
   std::vector<NodeSet> named;
   for (const NodeRange& range : reading.node_ranges) {
     if (reading.node_set_index.count(range.name) > 0) continue;
-    NodeSet set;
-    set.name = range.name;
-    for (int node = range.begin; node < range.end; ++node) set.nodes.push_back(node);
-    named.push_back(std::move(set));
+    named.push_back({range.name, {}, {}});
+    for (int node = range.begin; node < range.end; ++node) named.back().nodes.push_back(node);
   }
   model.node_sets.insert(model.node_sets.begin(), named.begin(), named.end());
   model.node_ids = reading.nodes.take();

@@ -8,6 +8,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
+#include "src/model/load_curve.h"
 
 namespace dea::febio {
 
@@ -212,6 +213,13 @@ void set_extend(LoadController& curve, std::string_view word) {
     curve.extend = static_cast<LoadController::Extend>(place);
   else
     curve.unsupported = no_such_word("extend", word, kExtendWords);
+}
+
+void set_expression(LoadController& curve, std::string_view math, bool own_variables) {
+  curve.expression = trim(math);
+  const std::string fault =
+      own_variables ? "a <var>, a number of FEBio's model" : expression_fault(curve.expression, {"t"});
+  if (!fault.empty()) curve.unsupported = fmt::format("expression {}: {}", quote(curve.expression), fault);
 }
 
 void add_point(const Draft& draft, Origin origin, std::string_view text, LoadController& curve) {

@@ -22,6 +22,8 @@ struct Component {
   std::optional<std::string> lc;  ///< of a parameter: the id of the load controller that scales it, as in a file
   std::vector<Component> parts;   ///< parameters and parts, in order; a parameter that is absent has FEBio's default
   Origin origin;                  ///< {0, 0}: in no file
+
+  const std::string& type_or_tag() const { return type.empty() ? tag : type; }
 };
 
 /// A model while it is filled, and where its remarks are. Controllers are stored by their ids, 0 or -1 for none, until
@@ -95,6 +97,8 @@ void read_curve(const Draft& draft, const Component& component, LoadController& 
 /// A word of FEBio's, or its place; what is none is told in `unsupported` of the curve.
 void set_interpolate(LoadController& curve, std::string_view word);
 void set_extend(LoadController& curve, std::string_view word);
+/// An expression in t; one with variables of its own, which are numbers of FEBio's model, is told in `unsupported`.
+void set_expression(LoadController& curve, std::string_view math, bool own_variables);
 /// "t,v" as the next point.
 void add_point(const Draft& draft, Origin origin, std::string_view text, LoadController& curve);
 /// Index of the load controller with this id; -1 for 0 and -1. A fault at `origin` if there is none.

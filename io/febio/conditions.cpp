@@ -66,10 +66,7 @@ void fix_nodes(Draft& draft, const OnNodes& on, std::string_view dofs) {
 
 void fix_nodes(Draft& draft, const OnNodes& on, const std::array<bool, 3>& xyz) {
   if (!xyz[0] && !xyz[1] && !xyz[2]) return;
-  FixedNodes fixed;
-  fixed.nodes = on.nodes;
-  fixed.xyz = xyz;
-  add(draft.model.fixed_nodes, std::move(fixed), on.name, on.origin, on.steps);
+  add(draft.model.fixed_nodes, FixedNodes{{}, on.nodes, xyz}, on.name, on.origin, on.steps);
 }
 
 void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, const Scaled& value, bool relative) {
@@ -84,14 +81,9 @@ void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, cons
   } else if (value.factor == 0.0 && !relative) {
     fix_nodes(draft, on, name);
   } else {
-    PrescribedNodes prescribed;
-    prescribed.nodes = on.nodes;
-    prescribed.component = component;
-    prescribed.value = value;
-    prescribed.relative = relative;
     const std::string& called = !on.name.empty() ? on.name : on.node_set;
-    add(draft.model.prescribed_nodes, std::move(prescribed), called.empty() ? "moved nodes" : called, on.origin,
-        on.steps);
+    add(draft.model.prescribed_nodes, PrescribedNodes{{}, on.nodes, component, value, relative},
+        called.empty() ? "moved nodes" : called, on.origin, on.steps);
   }
 }
 
@@ -148,12 +140,11 @@ namespace {
 
 /// A force vector on each of the nodes.
 void nodal_force_vector(Draft& draft, const Component& value, OnNodes on) {
-  NodalForce load;
-  load.value = to_vector(draft, value.origin, value.tag, value.text);
-  load.controller = controller_of(draft, value);
-  if (load.value.isZero(0)) return ignore(draft, on.origin, "nodal load of zero");
-  load.nodes = std::move(on.nodes);
-  add(draft.model.nodal_forces, std::move(load), on.name, value.origin, on.steps);
+  const Vector3d force = to_vector(draft, value.origin, value.tag, value.text);
+  const int controller = controller_of(draft, value);
+  if (force.isZero(0)) return ignore(draft, on.origin, "nodal load of zero");
+  add(draft.model.nodal_forces, NodalForce{{}, std::move(on.nodes), force, controller}, on.name, value.origin,
+      on.steps);
 }
 
 }  // namespace
@@ -213,13 +204,13 @@ void rigid_fixed(Draft& draft, const Component& component, const Steps& steps) {
 
 /// `value`: null: 0.
 void rigid_prescribed(Draft& draft, const Component& component, int dof, const Component* value, const Steps& steps) {
-  RigidPrescribed motion;
-  motion.material = body_of(draft, component);
-  motion.dof = dof;
-  motion.value = value == nullptr ? Scaled{0.0, 0} : scaled(draft, *value);
-  motion.relative = flag_of(draft, component, "relative");
-  add(draft.model.rigid_prescribed, std::move(motion), component.name,
-      value == nullptr ? component.origin : value->origin, steps);
+  add(draft.model.rigid_prescribed,
+      RigidPrescribed{{},
+                      body_of(draft, component),
+                      dof,
+                      value == nullptr ? Scaled{0.0, 0} : scaled(draft, *value),
+                      flag_of(draft, component, "relative")},
+      component.name, value == nullptr ? component.origin : value->origin, steps);
 }
 
 /// In 4.0 the dofs of a displacement are x, y, z; a letter R before them is taken too.
@@ -542,13 +533,16 @@ void initial_condition(Draft& draft, const Component& component) {
     ignore(draft, component.origin, "initial conditions");
 }
 
-constexpr double kNoReach = 1e-300;  // what a search radius of 0 ties: nothing, where 0 is no limit
+namespace {
 
+/// How far a tie reaches: facets farther apart are not tied. 0: any distance.
 double tie_reach(const Draft& draft, const Component& component) {
+  constexpr double kNoReach = 1e-300;  // what a search radius of 0 ties: nothing, where 0 is no limit
   return ties_by_search_radius(component.type) ? std::max(number_of(draft, component, "search_radius", 1.0), kNoReach)
                                                : number_of(draft, component, "max_distance", 0.0);
 }
 
+/// Does FEBio pull tied nodes onto the surface that they are tied to, through gaps and overlaps of the mesh?
 bool closes_gap(const Component& component) {
   const Component* keeps = find(component, "gap_offset");
   const auto offset = keeps == nullptr ? std::optional<double>(0.0) : whole_double(keeps->text);
@@ -556,29 +550,35 @@ bool closes_gap(const Component& component) {
          one_of(component.type, {"tied-node-on-facet", "tied-facet-on-facet", "tied", "facet-to-facet tied", "sticky"});
 }
 
-void refuse_contact_parameters(Draft& draft, const Component& component) {
-  const Component* offset = find(component, "offset");
-  if (offset == nullptr || contact_kind(component.type) != Contact::Kind::Sliding) return;
-  const auto value = whole_double(offset->text);
-  if (value && *value == 0 && !offset->lc) return;
-  unsupported(
-      draft, offset->origin.line > 0 ? offset->origin : component.origin,
-      fmt::format("offset = {} of contact {}",
-                  value ? fmt::format("{:g}", *value) : std::string(quote(trim(offset->text))), quote(component.name)),
-      "take it out, and mesh or place the bodies as far apart as it says");
+/// "fric_coeff = 0.2", unless that is `usual`; "": it is, or not given.
+std::string unusual(const Component& contact, const ContactParameter& parameter) {
+  const Component* part = find(contact, parameter.name);
+  if (part == nullptr) return "";
+  const auto value = whole_double(part->text);
+  if (value && *value == parameter.usual && !part->lc) return "";
+  return fmt::format("{} = {}", parameter.name,
+                     value ? fmt::format("{:g}", *value) : std::string(quote(trim(part->text))));
 }
 
-std::vector<std::string> ignored_contact_parameters(const Component& component) {
-  std::vector<std::string> ignored;
-  for (const ContactParameter& parameter : unused_contact_parameters(component.type)) {
-    const Component* part = find(component, parameter.name);
-    if (part == nullptr) continue;
-    const auto value = whole_double(part->text);
-    if (value && *value == parameter.usual && !part->lc) continue;
-    const std::string text = value ? fmt::format("{:g}", *value) : std::string(quote(trim(part->text)));
-    ignored.push_back(fmt::format("{} = {}", parameter.name, text));
-  }
-  return ignored;
+}  // namespace
+
+Contact contact_of(Draft& draft, const Component& component) {
+  Contact contact;
+  contact.type = component.type;
+  contact.name = component.name;
+  if (contact.name.empty()) contact.name = fmt::format("contact {}", draft.model.contacts.size() + 1);
+  contact.kind = *contact_kind(contact.type);
+  contact.max_distance = tie_reach(draft, component);
+  contact.closes_gap = closes_gap(component);
+  for (const ContactParameter& parameter : unused_contact_parameters(contact.type))
+    if (const std::string text = unusual(component, parameter); !text.empty()) contact.ignored.push_back(text);
+  const std::string offset = unusual(component, {"offset", 0});
+  if (contact.kind != Contact::Kind::Sliding || offset.empty()) return contact;
+  const Origin origin = find(component, "offset")->origin;
+  unsupported(draft, origin.line > 0 ? origin : component.origin,
+              fmt::format("{} of contact {}", offset, quote(component.name)),
+              "take it out, and mesh or place the bodies as far apart as it says");
+  return contact;
 }
 
 }  // namespace dea::febio

@@ -47,14 +47,22 @@ void rigid_spring(Draft& draft, const Component& component, const Steps& steps) 
   add(draft.model.rigid_springs, std::move(spring), component.name, component.origin, steps);
 }
 
-void contractile_force(Draft& draft, const Component& component, const Steps& steps) {
+/// What a force along the line between two bodies calls its parameters.
+struct PullWords {
+  const char *body_a, *body_b, *point_a, *point_b, *force;
+  const char* relative;  ///< null: the points are never counted from the centres of mass
+};
+
+void add_pull(Draft& draft, const Component& component, const PullWords& words, const Steps& steps) {
   RigidAxialForce pull;
-  set_bodies(draft, component, pull);
-  for (const char* tag : {"insertion_a", "insertion_b"}) assume_unless_given(draft, component, tag, "0,0,0");
-  assume_unless_given(draft, component, "f0", "0");
-  pull.point_a = vector_of(draft, component, "insertion_a", Vector3d::Zero());
-  pull.point_b = vector_of(draft, component, "insertion_b", Vector3d::Zero());
-  pull.force = scaled_of(draft, component, "f0");
+  set_bodies(draft, component, pull, words.body_a, words.body_b);
+  pull.from_centers = words.relative != nullptr && flag_of(draft, component, words.relative);
+  for (const char* tag : {words.point_a, words.point_b})
+    if (!pull.from_centers) assume_unless_given(draft, component, tag, "0,0,0");
+  assume_unless_given(draft, component, words.force, "0");
+  pull.point_a = vector_of(draft, component, words.point_a, Vector3d::Zero());
+  pull.point_b = vector_of(draft, component, words.point_b, Vector3d::Zero());
+  pull.force = scaled_of(draft, component, words.force);
   add(draft.model.rigid_axial_forces, std::move(pull), component.name, component.origin, steps);
 }
 
@@ -141,11 +149,9 @@ void add_moments(Draft& draft, const Component& component, const RigidJoint& joi
     if (moment.factor == 0) continue;
     refuse_lagrange(draft, component, kMoments[at(i)]);
     for (const bool a : {true, false}) {
-      RigidLoad load;
-      load.material = a ? joint.material_a : joint.material_b;
-      load.dof = 3 + i;
-      load.value = {a ? moment.factor : -moment.factor, moment.controller};
-      add(draft.model.rigid_loads, std::move(load), component.name, part->origin, steps);
+      const Scaled value = {a ? moment.factor : -moment.factor, moment.controller};
+      add(draft.model.rigid_loads, RigidLoad{{}, a ? joint.material_a : joint.material_b, 3 + i, value}, component.name,
+          part->origin, steps);
     }
   }
 }
@@ -271,16 +277,7 @@ void check_joints(Draft& draft) {
 }
 
 void rigid_axial_force(Draft& draft, const Component& component, const Steps& steps) {
-  RigidAxialForce pull;
-  set_bodies(draft, component, pull, "rbA", "rbB");
-  pull.from_centers = flag_of(draft, component, "relative");
-  for (const char* tag : {"ra", "rb"})
-    if (!pull.from_centers) assume_unless_given(draft, component, tag, "0,0,0");
-  assume_unless_given(draft, component, "force", "0");
-  pull.point_a = vector_of(draft, component, "ra", Vector3d::Zero());
-  pull.point_b = vector_of(draft, component, "rb", Vector3d::Zero());
-  pull.force = scaled_of(draft, component, "force");
-  add(draft.model.rigid_axial_forces, std::move(pull), component.name, component.origin, steps);
+  add_pull(draft, component, {"rbA", "rbB", "ra", "rb", "force", "relative"}, steps);
 }
 
 void rigid_cable(Draft& draft, const Component& component, const Steps& steps) {
@@ -311,7 +308,7 @@ bool rigid_connector(Draft& draft, const Component& component, const Steps& step
   else if (type == "rigid spring")
     rigid_spring(draft, component, steps);
   else if (type == "rigid contractile force")
-    contractile_force(draft, component, steps);
+    add_pull(draft, component, {"body_a", "body_b", "insertion_a", "insertion_b", "f0", nullptr}, steps);
   else if (!rigid_joint(draft, component, steps))
     unsupported(draft, component.origin, fmt::format("rigid connector {}", quote(type)),
                 word_advice(WordOf::Connector, type));

@@ -5,31 +5,35 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 
 #include "io/febio/febio_rules.h"
 #include "io/febio/known_words.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
+#include "src/model/load_curve.h"
 
 namespace dea {
 
 namespace {
 
+using febio::Component;
+using febio::find;
 using febio::one_of;
 using febio::quote;
 
 /// What is the same for a material and all that is nested in it.
 struct Reading {
-  const JointModel& model;
+  JointModel& model;
   const std::string& name;
   bool nested_k_adds;
-  std::vector<Remark>&left_out, &assumed;
 };
 
 /// A part of the material that has no place in E and nu. `instead`: what is taken.
-void leave_out(const Reading& reading, const MaterialTree& part, const std::string& what, const char* instead) {
-  reading.left_out.push_back(
+void leave_out(const Reading& reading, const Component& part, const std::string& what, const char* instead) {
+  reading.model.ignored.push_back(
       {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
@@ -48,6 +52,32 @@ void add_note(std::string& note, const std::string& more) {
   if (more.empty() || note.find(more) != note.npos) return;
   if (!note.empty()) note += "; ";
   note += more;
+}
+
+/// The value, or `fallback` if there is none of this name; NaN with the reason added to `why` if it is not one number.
+double constant_of(const Component& material, const char* name, double fallback, std::string& why) {
+  const Component* part = find(material, name);
+  if (part == nullptr) return fallback;
+  const std::string &kind = part->type, &text = part->text;
+  const auto value = febio::whole_double(text);
+  const bool math = kind == "math" || (kind.empty() && !value);
+  if (math && !part->lc && part->parts.empty() && expression_fault(text, {}).empty()) {
+    try {
+      return constant_value(text);
+    } catch (const InputError& error) {
+      add_note(why, fmt::format("{}: {}", name, error.what()));
+    }
+  } else if (!kind.empty() && kind != "const") {
+    add_note(why, fmt::format("{} is a {}, not one number", name, quote(kind)));
+  } else if (part->lc) {
+    add_note(why, fmt::format("{} follows a load controller", name));
+  } else if (value) {
+    return *value;
+  } else {
+    add_note(why, fmt::format("{} = {} is not one number{}", name, quote(febio::trim(text)),
+                              has_decimal_comma(text) ? ": write it with a decimal point" : ""));
+  }
+  return kNaN;
 }
 
 Stiffness unknown(const std::string& type, const std::string& why) { return {.type = type, .note = why}; }
@@ -69,13 +99,13 @@ void set_from_G_lambda(Stiffness& s, double G, double lambda) {
 }
 
 /// Sum of c1 .. c6 (those given).
-double sum_of_c(const MaterialTree& material, std::string& why) {
+double sum_of_c(const Component& material, std::string& why) {
   double sum = 0.0;
   for (const char* name : {"c1", "c2", "c3", "c4", "c5", "c6"}) sum += constant_of(material, name, 0.0, why);
   return sum;
 }
 
-Stiffness stiffness_of(const Reading& reading, const MaterialTree& material);
+Stiffness stiffness_of(const Reading& reading, const Component& material);
 
 /// Fibres alone: they pull in tension only and leave the small-strain stiffness in compression to the others.
 bool is_fibre(const std::string& type) {
@@ -85,19 +115,19 @@ bool is_fibre(const std::string& type) {
 }
 
 /// Where a constant stands, or the material if it has none.
-Origin place_of(const MaterialTree& material, const char* name) {
-  const auto place = material.constants.find(name);
-  return place == material.constants.end() ? material.origin : place->second.origin;
+Origin place_of(const Component& material, const char* name) {
+  const Component* part = find(material, name);
+  return part == nullptr ? material.origin : part->origin;
 }
 
 /// E and v as written; what no material may have is refused here, with its line.
-Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
+Stiffness from_E_and_v(const Reading& reading, const Component& material) {
   Stiffness s;
-  s.type = material.type;
+  s.type = material.type_or_tag();
   const double E = constant_of(material, "E", 0.0, s.note);
   const double nu = constant_of(material, "v", 0.0, s.note);
   if (!std::isnan(E) && E <= 0) {
-    const std::string found = material.constants.count("E") == 0 ? "E is missing" : fmt::format("E = {:g}", E);
+    const std::string found = find(material, "E") == nullptr ? "E is missing" : fmt::format("E = {:g}", E);
     throw fault_at(reading.model, place_of(material, "E"),
                    fmt::format("material {}: {}, need E > 0", quote(reading.name), found));
   }
@@ -105,37 +135,27 @@ Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
     throw fault_at(reading.model, place_of(material, "v"),
                    fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
   }
-  if (material.constants.count("v") == 0)
-    reading.assumed.push_back(
-        {fmt::format("material {}: {} without <v>: 0, as in FEBio", quote(reading.name), quote(material.type)), 1,
+  if (find(material, "v") == nullptr)
+    reading.model.assumed.push_back(
+        {fmt::format("material {}: {} without <v>: 0, as in FEBio", quote(reading.name), quote(s.type)), 1,
          material.origin});
   if (std::isnan(E) || std::isnan(nu)) return s;
   set_from_E_nu(s, E, nu);
   return s;
 }
 
-/// Types with a shear modulus and a bulk modulus k of their own.
-bool uncoupled_shear(const MaterialTree& m, const std::string& type, double& G, std::string& note) {
-  if (one_of(type, {"Mooney-Rivlin", "trans iso Mooney-Rivlin"})) {
-    G = 2 * (constant_of(m, "c1", 0, note) + constant_of(m, "c2", 0, note));
-  } else if (one_of(type, {"Veronda-Westmann", "trans iso Veronda-Westmann"})) {
-    G = constant_of(m, "c1", 0, note) * constant_of(m, "c2", 0, note);
-  } else if (type == "Ogden") {
-    G = sum_of_c(m, note) / 2;
-  } else if (one_of(type, {"incomp neo-Hookean", "Gent"})) {
-    G = constant_of(m, "G", 0, note);
-  } else if (type == "Yeoh") {
-    G = 2 * constant_of(m, "c1", 0, note);
-  } else if (type == "Arruda-Boyce") {
-    const double f = 3 / constant_of(m, "N", 0, note);
-    G = constant_of(m, "mu", 0, note) * (1 + f * (0.4 + f * (66.0 / 350 + f * (152.0 / 1750 + f * (5190.0 / 134750)))));
-  } else if (type == "uncoupled Holmes-Mow") {
-    G = constant_of(m, "mu", 0, note);
-  } else {
-    return false;
-  }
-  if (type.rfind("trans iso", 0) == 0) add_note(note, "ground matrix, fibres left out");
-  return true;
+/// The shear modulus of types that have a bulk modulus k of their own; nothing: another type.
+std::optional<double> uncoupled_shear(const Component& m, const std::string& type, std::string& note) {
+  const auto constant = [&](const char* name) { return constant_of(m, name, 0, note); };
+  if (one_of(type, {"Mooney-Rivlin", "trans iso Mooney-Rivlin"})) return 2 * (constant("c1") + constant("c2"));
+  if (one_of(type, {"Veronda-Westmann", "trans iso Veronda-Westmann"})) return constant("c1") * constant("c2");
+  if (type == "Ogden") return sum_of_c(m, note) / 2;
+  if (one_of(type, {"incomp neo-Hookean", "Gent"})) return constant("G");
+  if (type == "Yeoh") return 2 * constant("c1");
+  if (type == "uncoupled Holmes-Mow") return constant("mu");
+  if (type != "Arruda-Boyce") return std::nullopt;
+  const double f = 3 / constant("N");
+  return constant("mu") * (1 + f * (0.4 + f * (66.0 / 350 + f * (152.0 / 1750 + f * (5190.0 / 134750)))));
 }
 
 void set_uncoupled(Stiffness& s, double G, double k) {
@@ -148,12 +168,12 @@ void set_uncoupled(Stiffness& s, double G, double k) {
 }
 
 /// The nested materials (`solid`, `elastic`, ...) of a composite one.
-std::vector<Stiffness> nested(const Reading& reading, const MaterialTree& material,
+std::vector<Stiffness> nested(const Reading& reading, const Component& material,
                               std::initializer_list<const char*> tags) {
   Reading inner = reading;
-  inner.nested_k_adds = reading.nested_k_adds && material.type.rfind("uncoupled", 0) == 0;
+  inner.nested_k_adds = reading.nested_k_adds && material.type_or_tag().rfind("uncoupled", 0) == 0;
   std::vector<Stiffness> parts;
-  for (const MaterialTree& part : material.parts) {
+  for (const Component& part : material.parts) {
     if (one_of(part.tag, tags)) parts.push_back(stiffness_of(inner, part));
   }
   return parts;
@@ -162,16 +182,17 @@ std::vector<Stiffness> nested(const Reading& reading, const MaterialTree& materi
 constexpr const char* kGroundMatrix = "what is pressed is the matrix around them";
 
 /// Sum of the parts; `k` is the top-level bulk modulus of an uncoupled mixture.
-Stiffness mixture(const Reading& reading, const MaterialTree& m) {
-  const std::string& type = m.type;
+Stiffness mixture(const Reading& reading, const Component& m) {
+  const std::string& type = m.type_or_tag();
   const bool uncoupled = type == "uncoupled solid mixture";
   Stiffness sum;
   double G = 0.0, lambda = 0.0;
   double k = uncoupled ? constant_of(m, "k", 0.0, sum.note) : 0.0;
   std::string types;
-  for (const MaterialTree& part : m.parts)
-    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type))
-      leave_out(reading, part, fmt::format("the fibres {} of its {}", quote(part.type), quote(type)), kGroundMatrix);
+  for (const Component& part : m.parts)
+    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag()))
+      leave_out(reading, part, fmt::format("the fibres {} of its {}", quote(part.type_or_tag()), quote(type)),
+                kGroundMatrix);
   for (const Stiffness& part : nested(reading, m, {"solid", "elastic", "mat"})) {
     if (!types.empty()) types += "+";
     types += part.type;
@@ -196,15 +217,14 @@ Stiffness mixture(const Reading& reading, const MaterialTree& m) {
 }
 
 /// A material that wraps one nested elastic material.
-Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
-  const std::string& type = m.type;
+Stiffness wrapped(const Reading& reading, const Component& m) {
+  const std::string& type = m.type_or_tag();
   const std::vector<Stiffness> parts = nested(reading, m, {"elastic", "solid"});
   if (parts.empty()) return unknown(type, fmt::format("{} without a nested solid", quote(type)));
-  const auto charge = m.constants.find("fixed_charge_density");
-  if (charge != m.constants.end() && charge->second.value != 0)
+  if (std::string unused; constant_of(m, "fixed_charge_density", 0.0, unused) != 0)
     return unknown(fmt::format("{}/{}", type, parts.front().type),
                    "its fixed charges make it swell (fixed_charge_density), at rest too, which has no single E and nu");
-  for (const MaterialTree& part : m.parts)
+  for (const Component& part : m.parts)
     if (part.tag == "solid_bound")
       leave_out(reading, part, fmt::format("<solid_bound> of {}", quote(type)),
                 "what is taken is the drained solid without its charge and mass");
@@ -249,8 +269,8 @@ std::string misspelt_type(const std::string& type) {
   return edit_distance(type, meant) <= kMostSlips ? meant : "";
 }
 
-Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
-  const std::string& type = m.type;
+Stiffness stiffness_of(const Reading& reading, const Component& m) {
+  const std::string& type = m.type_or_tag();
   if (one_of(type, {"neo-Hookean", "isotropic elastic", "St.Venant-Kirchhoff", "natural neo-Hookean",
                     "isotropic Hencky", "Holmes-Mow"})) {
     return from_E_and_v(reading, m);
@@ -263,15 +283,16 @@ Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
   }
   Stiffness s;
   s.type = type;
-  double G = kNaN;
-  if (uncoupled_shear(m, type, G, s.note)) {
-    if (type.rfind("trans iso", 0) == 0)
+  if (const std::optional<double> G = uncoupled_shear(m, type, s.note)) {
+    if (type.rfind("trans iso", 0) == 0) {
+      add_note(s.note, "ground matrix, fibres left out");
       leave_out(reading, m, fmt::format("the fibres of {}", quote(type)), kGroundMatrix);
-    set_uncoupled(s, G, constant_of(m, "k", 0.0, s.note));
+    }
+    set_uncoupled(s, *G, constant_of(m, "k", 0.0, s.note));
     return s;
   }
   if (type == "Ogden unconstrained") {
-    G = sum_of_c(m, s.note) / 2;
+    const double G = sum_of_c(m, s.note) / 2;
     const double lambda = constant_of(m, "cp", 0.0, s.note);
     if (!std::isnan(G + lambda)) set_from_G_lambda(s, G, lambda);
     return s;
@@ -299,18 +320,8 @@ Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
 
 }  // namespace
 
-double constant_of(const MaterialTree& material, const char* name, double fallback, std::string& why) {
-  const auto place = material.constants.find(name);
-  if (place == material.constants.end()) return fallback;
-  add_note(why, place->second.why);
-  return place->second.why.empty() ? place->second.value : kNaN;
-}
-
-void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, JointModel& model) {
-  std::vector<Remark> left_out, assumed;
-  Stiffness s = stiffness_of({model, material.name, nested_k_adds, left_out, assumed}, tree);
-  model.ignored.insert(model.ignored.end(), left_out.begin(), left_out.end());
-  model.assumed.insert(model.assumed.end(), assumed.begin(), assumed.end());
+void set_elasticity(Material& material, const Component& given, bool nested_k_adds, JointModel& model) {
+  Stiffness s = stiffness_of({model, material.name, nested_k_adds}, given);
   if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
     add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
   }
@@ -320,10 +331,10 @@ void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_
   material.note = s.note;
 }
 
-void set_density(Material& material, const MaterialTree& tree, const JointModel& model, std::string& why) {
-  const double value = constant_of(tree, "density", 1.0, why);
+void set_density(Material& material, const Component& given, const JointModel& model, std::string& why) {
+  const double value = constant_of(given, "density", 1.0, why);
   if (!std::isnan(value) && value < 0) {
-    throw fault_at(model, place_of(tree, "density"),
+    throw fault_at(model, place_of(given, "density"),
                    fmt::format("material {}: density = {:g}, need density >= 0", quote(material.name), value));
   }
   material.density = value;

@@ -89,15 +89,9 @@ void other_load(Draft& draft, const Component& component);
 /// True if the numbers of a load are all zero.
 bool is_zero_load(const Component& component);
 void initial_condition(Draft& draft, const Component& component);
-/// How far a tie reaches: facets farther apart are not tied. 0: any distance.
-double tie_reach(const Draft& draft, const Component& component);
-/// Parameters of a contact that could change the result and that DEA does not use, away from their defaults:
-/// "fric_coeff = 0.2".
-std::vector<std::string> ignored_contact_parameters(const Component& component);
-/// Does FEBio pull tied nodes onto the surface that they are tied to, through gaps and overlaps of the mesh?
-bool closes_gap(const Component& component);
-/// Lists as unsupported what changes a sliding contact and DEA does not know: an offset.
-void refuse_contact_parameters(Draft& draft, const Component& component);
+/// A contact of a type that contact_kind knows, without its surfaces and step. Lists as unsupported what changes a
+/// sliding contact and DEA does not know: an offset.
+Contact contact_of(Draft& draft, const Component& component);
 
 // -- springs between nodes ---------------------------------------------------------------------------
 

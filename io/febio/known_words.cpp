@@ -264,7 +264,7 @@ std::string name_of(const Component& component) {
 /// `outer`: " of material "cartilage"", empty for the material itself.
 void check_material(Draft& draft, const Component& material, const std::string& outer) {
   Known known;
-  if (!known_in(Place::Material, material.type.empty() ? material.tag : material.type, known)) return;
+  if (!known_in(Place::Material, material.type_or_tag(), known)) return;
   check_parts(draft, material, known, name_of(material) + outer, kind_of(material));
   const std::string within = outer.empty() ? " of " + name_of(material) : outer;
   for (const Component& part : material.parts)

@@ -14,7 +14,7 @@
 #include "io/settings/settings_xml.h"
 #include "io/study/study_schema.h"
 #include "io/tables/read_tables.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parallel.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "io/files/output.h"
-#include "io/tables/number_table.h"
+#include "io/tables/table.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
 

@@ -96,7 +96,7 @@ std::array<int, 3> vector_columns(const NumberTable& table, const char* setting,
 std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names) {
   std::vector<int> columns;
   for (const std::string& name : split_at_commas(names)) {
-    columns.push_back(table.find(name));
+    columns.push_back(find_column(table, name));
     if (columns.back() < 0)
       throw wrong_setting(
           setting, names,

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/tables/number_table.h"
+#include "io/tables/table.h"
 #include "src/base/sentence.h"
 
 namespace dea {

@@ -14,7 +14,7 @@
 #include "io/files/job_limits.h"
 #include "io/settings/settings_xml.h"
 #include "io/surfaces/read_surface.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "io/xplt/xplt.h"
 #include "src/base/error.h"
 

@@ -11,7 +11,7 @@
 #include "io/study/read_study.h"
 #include "io/study/study_file.h"
 #include "io/study/study_schema.h"
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/results/contact_numbers.h"

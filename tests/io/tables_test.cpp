@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "io/settings/setting_words.h"
-#include "io/tables/number_table.h"
+#include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
@@ -79,7 +79,8 @@ TEST(Tables, InMemoryAsFromAFile) {
     return std::string();
   };
   EXPECT_EQ(refused({"fx", "FX"}, {{1, 2}}), "table: found two columns named \"FX\", expected different names");
-  EXPECT_EQ(refused({"fx"}, {{1}, {std::nan("")}}), "table:2: column \"fx\": found nan, expected a number of at most 1e30");
+  EXPECT_EQ(refused({"fx"}, {{1}, {std::nan("")}}),
+            "table:2: column \"fx\": found nan, expected a number of at most 1e30");
   EXPECT_EQ(refused({"fx"}, {{1, 2}}), "table:1: found 2 values, expected 1: one for each name");
   EXPECT_EQ(refused({"fx"}, {}), "table: found no row, expected at least one below the names of the columns");
 }

@@ -7,7 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 #include "src/base/error.h"
 #include "tests/program.h"
 #include "tests/report/made_study.h"

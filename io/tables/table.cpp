@@ -1,9 +1,10 @@
-#include "io/tables/text_table.h"
+#include "io/tables/table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -14,6 +15,10 @@
 #include "src/base/parse.h"
 
 namespace dea {
+
+InputError table_fault(const std::string& path, int line, const std::string& text) {
+  return InputError(line > 0 ? fmt::format("{}:{}: {}", path, line, text) : fmt::format("{}: {}", path, text));
+}
 
 namespace {
 
@@ -76,22 +81,9 @@ std::string text_of(const std::string& path) {
   return std::move(*text);
 }
 
-/// A word for each name. `surplus`: words beyond that have no name and are left out.
-std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line, bool surplus) {
-  if (surplus && words.size() > table.names.size()) words.resize(table.names.size());
-  if (words.size() != table.names.size())
-    throw table_fault(table.path, line,
-                      fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
-                                  table.names.size()));
-  return words;
-}
+constexpr const char* kNoRow = "found no row, expected at least one below the names of the columns";
 
-}  // namespace
-
-InputError table_fault(const std::string& path, int line, const std::string& text) {
-  return InputError(line > 0 ? fmt::format("{}:{}: {}", path, line, text) : fmt::format("{}: {}", path, text));
-}
-
+/// All of them there, different, and not all numbers, or InputError.
 void check_column_names(const std::string& path, int line, const std::vector<std::string>& names) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
@@ -110,6 +102,18 @@ void check_column_names(const std::string& path, int line, const std::vector<std
   });
   if (numbers) throw table_fault(path, line, "found numbers, expected the names of the columns");
 }
+
+/// A word for each name. `surplus`: words beyond that have no name and are left out.
+std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line, bool surplus) {
+  if (surplus && words.size() > table.names.size()) words.resize(table.names.size());
+  if (words.size() != table.names.size())
+    throw table_fault(table.path, line,
+                      fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
+                                  table.names.size()));
+  return words;
+}
+
+}  // namespace
 
 TextTable read_text_table(const std::string& path) {
   TextTable table;
@@ -163,6 +167,49 @@ TextTable read_text_table(const std::string& path) {
   return table;
 }
 
+NumberTable read_table(const std::string& path) {
+  const TextTable text = read_text_table(path);
+  check_column_names(path, text.names_line, text.names);
+  NumberTable table{text.path, text.opensim, text.degrees, text.axes, text.names_line, text.names, {}, text.lines};
+  for (std::size_t r = 0; r < text.rows.size(); ++r) {
+    table.rows.emplace_back();
+    for (std::size_t i = 0; i < text.names.size(); ++i) {
+      const std::string& word = text.rows[r][i];
+      try {
+        table.rows.back().push_back(parse_number(word));
+      } catch (const BadValue&) {
+        throw table_fault(path, text.lines[r],
+                          fmt::format("column {}: found {}, expected a number with a decimal point, at most 1e30",
+                                      febio::quote(text.names[i]), febio::quote(word)));
+      }
+    }
+  }
+  return table;
+}
+
+NumberTable make_table(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::vector<double>>& rows) {
+  NumberTable table;
+  table.path = path;
+  for (const std::string& name : names) table.names.push_back(trimmed(name));
+  check_column_names(path, 0, table.names);
+  for (const std::vector<double>& row : rows) {
+    const int line = static_cast<int>(table.rows.size()) + 1;
+    if (row.size() != names.size())
+      throw table_fault(path, line,
+                        fmt::format("found {} values, expected {}: one for each name", row.size(), names.size()));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      if (!(std::abs(row[i]) <= kLargestNumber))
+        throw table_fault(path, line,
+                          fmt::format("column {}: found {}, expected a number of at most 1e30",
+                                      febio::quote(table.names[i]), row[i]));
+    table.rows.push_back(row);
+    table.lines.push_back(line);
+  }
+  if (rows.empty()) throw table_fault(path, 0, kNoRow);
+  return table;
+}
+
 CaseTable read_case_table(const std::string& path) {
   const TextTable table = read_text_table(path);
   CaseTable cases{table.path, table.names_line, {}, {}, table.lines};
@@ -178,6 +225,12 @@ CaseTable read_case_table(const std::string& path) {
     for (const std::size_t i : columns) cases.rows.back().push_back(row[i]);
   }
   return cases;
+}
+
+int find_column(const NumberTable& table, const std::string& name) {
+  for (std::size_t i = 0; i < table.names.size(); ++i)
+    if (lower_case(table.names[i]) == lower_case(name)) return static_cast<int>(i);
+  return -1;
 }
 
 }  // namespace dea
