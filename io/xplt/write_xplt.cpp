@@ -15,8 +15,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "io/files/encoded_text.h"
 #include "io/files/output.h"
-#include "io/files/packed_bytes.h"
 #include "io/files/spool.h"
 #include "io/xplt/xplt.h"
 #include "io/xplt/xplt_format.h"
