@@ -66,12 +66,6 @@ std::string why_foreign(const std::string& path, PlotKind kind, std::optional<Xp
   return found == kind ? "" : fmt::format("it is there already, {}", words_of(found));
 }
 
-std::size_t element_count(const XpltMesh& mesh) {
-  std::size_t count = 0;
-  for (const XpltDomain& d : mesh.domains) count += d.element_ids.size();
-  return count;
-}
-
 bool same_domains(const XpltMesh& a, const XpltMesh& b) {
   return std::equal(a.domains.begin(), a.domains.end(), b.domains.begin(), b.domains.end(),
                     [](const XpltDomain& x, const XpltDomain& y) {

@@ -435,7 +435,7 @@ XpltObject read_object(const Chunk& chunk) {
         break;
       case kObjectData: {
         const XpltVariable item = read_item(child);
-        object.data.push_back(xplt_variable(XpltGroup::Nodal, item.type, XpltFormat::Node, item.name));
+        object.data.push_back({XpltGroup::Nodal, item.type, XpltFormat::Node, item.name});
         break;
       }
       default:
@@ -632,10 +632,7 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
 }
 
 XpltState read_state(const Chunk& chunk, const XpltFile& file) {
-  const XpltMesh& mesh = file.meshes.back();
-  std::size_t elements = 0;
-  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
-
+  const std::size_t elements = element_count(file.meshes.back());
   XpltState state;
   state.mesh = static_cast<int>(file.meshes.size()) - 1;
   state.variables.resize(file.variables.size());

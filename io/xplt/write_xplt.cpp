@@ -133,9 +133,8 @@ void check_mesh(const XpltMesh& mesh) {
   require(!mesh.domains.empty(), "mesh without elements");
   std::set<int> element_ids;
   for (const XpltDomain& domain : mesh.domains) {
-    constexpr int kTri10 = 15;
+    require(xplt_element_shape(domain.element_type).has_value(), "element type");
     const int n = xplt_nodes_per_element(domain.element_type);
-    require(n > 0 && domain.element_type != kTri10, "element type");
     require(!domain.element_ids.empty(), "domain without elements");
     require(domain.nodes.size() == domain.element_ids.size() * static_cast<std::size_t>(n),
             "element ids and nodes of a domain");
@@ -163,9 +162,7 @@ void check_mesh(const XpltMesh& mesh) {
 void check_state(const XpltFile& file, const XpltState& state) {
   const XpltMesh& mesh = file.meshes[static_cast<std::size_t>(state.mesh)];
   require(std::isfinite(state.time), "time: not a finite number");
-  std::size_t elements = 0;
-  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
-  require(state.element_flags.empty() || state.element_flags.size() == elements, "element flags");
+  require(state.element_flags.empty() || state.element_flags.size() == element_count(mesh), "element flags");
 
   require(state.variables.size() == file.variables.size(), "data for each variable of the dictionary");
   for (std::size_t i = 0; i < file.variables.size(); ++i) {
@@ -410,7 +407,7 @@ void put_objects(std::string& out, const std::vector<XpltObject>& objects) {
     leaf_of_all(out, kObjectRotation, object.rotation);
     if (object.line) leaf_of_all(out, kLineEnds, object.line_ends);
     for (const XpltVariable& item : object.data)
-      put_item(out, kObjectData, xplt_variable(XpltGroup::Global, item.type, XpltFormat::Item, item.name), false);
+      put_item(out, kObjectData, {XpltGroup::Global, item.type, XpltFormat::Item, item.name}, false);
   }
 }
 
