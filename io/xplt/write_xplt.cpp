@@ -388,19 +388,13 @@ void put_parts(std::string& out, const XpltMesh& mesh) {
   }
 }
 
-// Objects are numbered from 1 within their kind.
-struct ObjectNumbers {
-  int points = 0, lines = 0;
-  int next(bool line) { return line ? ++lines : ++points; }
-};
-
 void put_objects(std::string& out, const std::vector<XpltObject>& objects) {
   if (objects.empty()) return;
   const OpenChunk section(out, kObjects);
-  ObjectNumbers numbers;
+  int numbers[2] = {};  // of points, of lines: objects are numbered from 1 within their kind
   for (const XpltObject& object : objects) {
     const OpenChunk one(out, object.line ? kLineObject : kPointObject);
-    leaf(out, kObjectId, numbers.next(object.line));
+    leaf(out, kObjectId, ++numbers[object.line]);
     prefixed_name(out, kObjectName, object.name);
     leaf(out, kObjectTag, object.tag);
     leaf_of_all(out, kObjectPosition, object.position);
@@ -443,11 +437,11 @@ void put_data(std::string& out, const XpltFile& file, const XpltState& state, Xp
 void put_object_states(std::string& out, const std::vector<XpltObject>& objects, const XpltState& state) {
   if (state.objects.empty()) return;
   const OpenChunk section(out, kObjectStates);
-  ObjectNumbers numbers;
+  int numbers[2] = {};  // of points, of lines: objects are numbered from 1 within their kind
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const XpltObjectState& object = state.objects[i];
     const OpenChunk one(out, objects[i].line ? kLineObject : kPointObject);
-    leaf(out, kObjectId, numbers.next(objects[i].line));
+    leaf(out, kObjectId, ++numbers[objects[i].line]);
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
     if (objects[i].line)
