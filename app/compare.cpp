@@ -6,9 +6,8 @@
 
 #include "app/commands.h"
 #include "app/progress.h"
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
-#include "io/results/existing_plot.h"
+#include "io/results/existing_file.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
 #include "views/compare/compare_files.h"

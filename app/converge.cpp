@@ -7,7 +7,6 @@
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "io/feb/read_feb.h"
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"

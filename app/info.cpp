@@ -3,9 +3,8 @@
 
 #include "app/commands.h"
 #include "io/feb/read_feb.h"
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
-#include "io/results/existing_plot.h"
+#include "io/results/existing_file.h"
 #include "io/results/plot_file.h"
 #include "io/run/spring_memory.h"
 #include "io/tables/read_tables.h"

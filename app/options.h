@@ -54,7 +54,7 @@ void add_compress_flag(CLI::App& command, bool& compress);
 void add_overwrite_flag(CLI::App& command, bool& overwrite);
 /// The same of a model. `only`: what gives way unasked.
 void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::string& only);
-/// WriteError that ends in what to do; `why` (existing_plot.h, existing_model.h) is empty: nothing.
+/// WriteError that ends in what to do; `why` (existing_file.h) is empty: nothing.
 void refuse_to_replace(const std::string& path, const std::string& why);
 
 /// What must not be written over: the model, the settings file, the tables that `settings` name.

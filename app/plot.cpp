@@ -6,7 +6,6 @@
 
 #include "app/animate.h"
 #include "app/commands.h"
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

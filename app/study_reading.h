@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "app/commands.h"
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/study/read_study.h"
 

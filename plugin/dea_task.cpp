@@ -7,10 +7,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/files/system.h"
-#include "io/results/existing_plot.h"
+#include "io/results/existing_file.h"
 #include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"

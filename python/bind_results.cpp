@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "io/files/output.h"
-#include "io/results/existing_plot.h"
+#include "io/results/existing_file.h"
 #include "io/results/plot_file.h"
 #include "io/vtu/write_vtu.h"
 #include "python/bind.h"

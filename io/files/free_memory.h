@@ -1,4 +1,5 @@
-// io/files/free_memory.h – the memory that is free, and files read whole within it.
+// io/files/free_memory.h – the memory that is free, files read whole within it, and what control groups and batch
+// systems leave a process.
 #pragma once
 #include <optional>
 #include <string>
@@ -22,5 +23,22 @@ void need_memory(const std::string& path, double bytes);
 /// Throws InputError: more than the memory holds, or than kMostOfPipe of something that has no size.
 std::optional<std::string> whole_file(const std::string& path, double memory_per_byte);
 inline constexpr double kMostOfPipe = 1e9;
+
+/// The number behind a word at the start of a line of a file, as the kernel writes them. Infinity: there is none, or no
+/// number ("max": no limit).
+double number_after(const std::string& path, const std::string& word);
+
+/// Bytes that the control groups of a process may still take, the least of all levels. Infinity: none has a limit.
+/// `memberships`: a file as /proc/self/cgroup; `root`: where the groups are mounted, as /sys/fs/cgroup.
+double free_of_groups(const std::string& memberships, const std::string& root);
+
+/// Bytes that Slurm gives the job on this node (SLURM_MEM_PER_NODE, SLURM_MEM_PER_CPU). Infinity: it does not say.
+double memory_of_job();
+
+/// How many tasks of one srun or mpirun run on this node at a time; 1: nobody says.
+int tasks_on_node();
+
+/// Processors that Slurm gives each of them; 0: it does not say.
+int processors_of_task();
 
 }  // namespace dea

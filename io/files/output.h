@@ -1,7 +1,9 @@
-// io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
+// io/files/output.h – where results go: files that are complete or not there and one command's at a time, standard
+// output that is checked.
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,6 +48,30 @@ struct Temporary {
 };
 /// Takes away all Temporary there are. For signal handlers, before they end the program.
 void remove_unfinished();
+
+/// For as long as it lives no other process holds the same outputs. Each is held by an advisory lock on a small file
+/// beside it, ".NAME.lock", which is taken away at the end. A process that was killed holds nothing: the lock ends with
+/// it, and a file that it left behind is used again.
+class HeldOutputs {
+ public:
+  HeldOutputs() = default;
+  HeldOutputs(HeldOutputs&& other) noexcept = default;
+  HeldOutputs& operator=(HeldOutputs&&) = delete;
+  ~HeldOutputs();
+
+ private:
+  friend HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
+  struct Held {
+    int file;
+    std::unique_ptr<Temporary> name;
+  };
+  std::vector<Held> held_;
+};
+
+/// The outputs, after check_outputs. Those of an empty path are not wanted. Standard output and devices are passed
+/// over, and file systems without locks. Throws WriteError: another process holds one of them, or its folder cannot be
+/// written to.
+[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
 
 /// Throws WriteError: what the system says of `error`, errno.
 [[noreturn]] void cannot_write(const std::string& path, int error);

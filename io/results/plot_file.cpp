@@ -27,14 +27,6 @@ std::vector<float> numbers(const Vector3d& v) { return {number(v[0]), number(v[1
 
 std::array<float, 3> point(const Vector3d& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
 
-/// The model's mesh as FEBio would write it, and where the model's parts have gone.
-struct MeshMap {
-  XpltMesh mesh;
-  std::vector<int> material_of_domain;  ///< per domain of the file; -1: springs
-  std::vector<int> surface;             ///< per model surface: 1-based region of the file, 0: left out
-  std::size_t elements = 0;
-};
-
 int max_nodes(const Surface& s) {
   int most = 3;
   for (int f = 0; f < s.size(); ++f) most = std::max(most, s.begin[at(f) + 1] - s.begin[at(f)]);
@@ -46,95 +38,91 @@ bool is_written(const Domain& d) {
 }
 
 /// Domains with a material, element sets of the same elements. Returns the ids of the elements written.
-std::unordered_set<int> add_domains(const JointModel& model, MeshMap& map) {
+std::unordered_set<int> add_domains(const JointModel& model, PlotHead& head) {
+  XpltMesh& mesh = head.file.meshes.front();
   std::unordered_set<int> written;
   for (const Domain& d : model.domains) {
     if (!is_written(d)) continue;
-    XpltDomain domain;
-    domain.element_type = xplt_element_type(d.shape);
-    domain.part = d.material + 1;
-    domain.name = d.name;
-    domain.element_ids = d.element_ids;
-    domain.nodes = d.nodes;
     written.insert(d.element_ids.begin(), d.element_ids.end());
-    map.material_of_domain.push_back(d.material);
-    map.mesh.domains.push_back(std::move(domain));
-    map.mesh.element_sets.push_back({d.name, d.element_ids});
+    head.material_of_domain.push_back(d.material);
+    mesh.domains.push_back({xplt_element_type(d.shape), d.material + 1, d.name, d.element_ids, d.nodes});
+    mesh.element_sets.push_back({d.name, d.element_ids});
   }
   return written;
 }
 
 /// Discrete springs as lines. Their materials are not among the model's: one part for all of them.
-void add_discrete_sets(const JointModel& model, MeshMap& map) {
-  XpltMesh& mesh = map.mesh;
+void add_discrete_sets(const JointModel& model, PlotHead& head) {
+  XpltMesh& mesh = head.file.meshes.front();
   int next_id = 1;
   for (const Domain& d : model.domains)
     for (int id : d.element_ids) next_id = std::max(next_id, id + 1);
   for (const DiscreteSet& set : model.discrete_sets) {
     if (set.pairs.empty()) continue;
     if (mesh.parts.size() == model.materials.size()) mesh.parts.push_back("discrete springs");
-    XpltDomain domain;
-    domain.element_type = xplt_element_type(ElementShape::Line2);
-    domain.part = static_cast<int>(mesh.parts.size());
-    domain.name = set.name;
+    XpltDomain domain = {xplt_element_type(ElementShape::Line2), static_cast<int>(mesh.parts.size()), set.name, {}, {}};
     for (const auto& pair : set.pairs) {
       domain.element_ids.push_back(next_id++);
       domain.nodes.insert(domain.nodes.end(), pair.begin(), pair.end());
     }
-    map.material_of_domain.push_back(-1);
+    head.material_of_domain.push_back(-1);
     mesh.domains.push_back(std::move(domain));
   }
 }
 
-void add_surfaces(const JointModel& model, MeshMap& map) {
+void add_surfaces(const JointModel& model, PlotHead& head) {
+  XpltMesh& mesh = head.file.meshes.front();
   for (const Surface& s : model.surfaces) {
-    map.surface.push_back(0);
+    head.surface.push_back(0);
     if (s.size() == 0) continue;
-    XpltFacets facets;
-    facets.name = s.name;
-    facets.begin = s.begin;
-    facets.nodes = s.nodes;
-    facets.max_nodes = max_nodes(s);
-    map.mesh.surfaces.push_back(facets);
-    map.surface.back() = static_cast<int>(map.mesh.surfaces.size());
-    facets.max_nodes = 10;  // what FEBio has for facet sets
-    map.mesh.facet_sets.push_back(std::move(facets));
+    mesh.surfaces.push_back({s.name, s.begin, s.nodes, max_nodes(s)});
+    head.surface.back() = static_cast<int>(mesh.surfaces.size());
+    mesh.facet_sets.push_back({s.name, s.begin, s.nodes, 10});  // slots: what FEBio has for facet sets
   }
 }
 
-MeshMap make_mesh(const JointModel& model) {
-  MeshMap map;
-  XpltMesh& mesh = map.mesh;
+/// What all files of a model have, without variables.
+PlotHead make_head(const JointModel& model) {
+  PlotHead head;
+  head.file.software = fmt::format("FEBioDEA {}", kVersion);
+  head.file.units = model.units;
+  XpltMesh& mesh = head.file.meshes.emplace_back();
   mesh.node_ids = model.node_ids;
   for (const Vector3d& x : model.nodes) append(mesh.coordinates, x);
   for (const Material& m : model.materials) mesh.parts.push_back(m.name);
-  const std::unordered_set<int> written = add_domains(model, map);
-  add_discrete_sets(model, map);
-  for (const XpltDomain& d : mesh.domains) map.elements += d.element_ids.size();
-  add_surfaces(model, map);
+  const std::unordered_set<int> written = add_domains(model, head);
+  add_discrete_sets(model, head);
+  add_surfaces(model, head);
   for (const NodeSet& s : model.node_sets) mesh.node_sets.push_back({s.name, s.nodes});
   for (const ElementSet& s : model.element_sets) {
-    XpltSet set;
-    set.name = s.name;
+    mesh.element_sets.push_back({s.name, {}});
     for (int id : s.element_ids)
-      if (written.count(id)) set.items.push_back(id);
-    mesh.element_sets.push_back(std::move(set));
+      if (written.count(id)) mesh.element_sets.back().items.push_back(id);
   }
-  return map;
+  return head;
 }
 
 bool left_out(const Layer& layer, int facet) {
   return !layer.facet_kinds.empty() && layer.facet_kinds[at(facet)] != FaceKind::Open;
 }
 
+/// A surface with one side of a contact.
+struct ContactSide {
+  const Surface& surface;
+  const Layer& layer;
+  const SideFields& fields;
+  const FieldMaps::LayerMap* map = nullptr;  ///< for the check file alone
+};
+
 /// A value per vertex of a layer's articular surface, in the slots of the surface's facets. Facets left out have none,
 /// though they share nodes with the rim.
-std::vector<float> per_slot(const Surface& s, const Layer& layer, const std::vector<double>& per_vertex) {
-  const std::unordered_map<int, int> vertex = articular_vertices(layer);
+std::vector<float> per_slot(const ContactSide& side, const std::vector<double>& per_vertex) {
+  const Surface& s = side.surface;
+  const std::unordered_map<int, int> vertex = articular_vertices(side.layer);
   const int slots = max_nodes(s);
   std::vector<float> values(at(s.size()) * at(slots), 0.0f);
   for (int f = 0; f < s.size(); ++f) {
-    if (left_out(layer, f)) continue;
+    if (left_out(side.layer, f)) continue;
     for (int k = s.begin[at(f)]; k < s.begin[at(f) + 1]; ++k) {
       const auto found = vertex.find(s.nodes[at(k)]);
       if (found != vertex.end())
@@ -183,40 +171,53 @@ std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
 /// A field on contact surfaces: what it is, and its values on one side of a contact.
 struct SurfaceField {
   XpltVariable variable;
-  std::function<std::vector<float>(const Surface&, const Layer&, const SideFields&)> values;
+  std::function<std::vector<float>(const ContactSide&)> values;
 };
 
+SurfaceField surface_field(XpltType type, XpltFormat format, const std::string& name, const std::string& units,
+                           std::function<std::vector<float>(const ContactSide&)> values) {
+  return {{XpltGroup::Surface, type, format, name, units}, std::move(values)};
+}
+
 SurfaceField facet_field(const FacetField& field) {
-  return {xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.name, field.unit),
-          [values = field.values](const Surface&, const Layer&, const SideFields& f) { return per_facet(f.*values); }};
+  return surface_field(XpltType::Float, XpltFormat::Item, field.name, field.unit,
+                       [values = field.values](const ContactSide& s) { return per_facet(s.fields.*values); });
+}
+
+SurfaceField thickness_field() {
+  return surface_field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L",
+                       [](const ContactSide& s) { return per_slot(s, s.fields.vertex_thickness); });
 }
 
 /// `inside`: also of the inside of layers.
 std::vector<SurfaceField> surface_fields(bool inside) {
-  using S = const Surface&;
-  using L = const Layer&;
-  using F = const SideFields&;
-  const auto surface = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
-    return xplt_variable(XpltGroup::Surface, type, format, name, units);
-  };
+  using S = const ContactSide&;
   std::vector<SurfaceField> fields = {facet_field(facet_fields().front())};
   // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
-  fields.push_back({surface(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
-                    [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }});
-  fields.push_back(
-      {surface(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }});
-  fields.push_back({surface(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
-                    [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }});
-  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
-                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }});
+  fields.push_back(surface_field(XpltType::Float, XpltFormat::Item, "contact gap", "L",
+                                 [](S s) { return std::vector<float>(at(s.surface.size()), 0.0f); }));
+  fields.push_back(surface_field(XpltType::Vec3, XpltFormat::Region, "contact force", "F",
+                                 [](S s) { return numbers(s.fields.force); }));
+  fields.push_back(surface_field(XpltType::Float, XpltFormat::Region, "contact area", "L^2",
+                                 [](S s) { return std::vector<float>{number(s.fields.contact_area)}; }));
+  fields.push_back(surface_field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P",
+                                 [](S s) { return per_slot(s, s.fields.vertex_pressure); }));
   for (std::size_t i = 1; i < facet_fields().size(); ++i) fields.push_back(facet_field(facet_fields()[i]));
-  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
-                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }});
-  fields.push_back({surface(XpltType::Float, XpltFormat::Region, "springs", ""),
-                    [](S, L, F f) { return std::vector<float>{f.springs ? 1.0f : 0.0f}; }});
+  fields.push_back(thickness_field());
+  fields.push_back(surface_field(XpltType::Float, XpltFormat::Region, "springs", "",
+                                 [](S s) { return std::vector<float>{s.fields.springs ? 1.0f : 0.0f}; }));
   if (!inside) return fields;
   for (const FacetField& field : inside_facet_fields()) fields.push_back(facet_field(field));
   return fields;
+}
+
+/// `first`: index of the first of the fields.
+void add_fields(const std::vector<SurfaceField>& fields, const ContactSide& side, int region, std::size_t first,
+                XpltState& state) {
+  for (std::size_t v = 0; v < fields.size(); ++v) {
+    std::vector<float> values = fields[v].values(side);
+    if (!values.empty()) state.variables[first + v].push_back({region, std::move(values)});  // bare bone: none
+  }
 }
 
 /// Rotations about z, y, x (applied in the order x, y, z), as FEBio's Euler angles, in degrees.
@@ -232,7 +233,7 @@ XpltObject rigid_body_object(const Body& body) {
   object.position = point(body.center_of_mass);
   for (const char* item : {"Position", "Velocity", "Acceleration", "Euler angles (deg)", "Angular velocity",
                            "Angular acceleration", "Force", "Moment"})
-    object.data.push_back(xplt_variable(XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item, ""));
+    object.data.push_back({XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item});
   return object;
 }
 
@@ -251,13 +252,6 @@ XpltObjectState rigid_body_state(const Pose& pose, const Vector6& reaction) {
             numbers(reaction.head<3>()),
             numbers(reaction.tail<3>())};
   return s;
-}
-
-XpltFile empty_file(const JointModel& model) {
-  XpltFile file;
-  file.software = fmt::format("FEBioDEA {}", kVersion);
-  file.units = model.units;
-  return file;
 }
 
 /// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer,
@@ -279,9 +273,10 @@ std::vector<double> rim_at_vertices(const Layer& layer) {
 }
 
 /// Per facet: 0 used, 1 left out as side wall, 2 left out as bonded to bone.
-std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
-  std::vector<double> kinds(at(s.size()), 0.0);
-  for (int f = 0; f < s.size(); ++f)
+std::vector<double> left_out_facets(const ContactSide& side) {
+  const Layer& layer = side.layer;
+  std::vector<double> kinds(at(side.surface.size()), 0.0);
+  for (int f = 0; f < side.surface.size(); ++f)
     if (left_out(layer, f)) kinds[at(f)] = layer.facet_kinds[at(f)] == FaceKind::SideWall ? 1.0 : 2.0;
   return kinds;
 }
@@ -309,10 +304,7 @@ void add_surface_fields(const JointModel& model, const std::vector<int>& surface
     std::optional<SideFields> sum;  // one contact is the rule, and nothing to add
     if (shown[s].sides.size() > 1) sum = added_sides(shown[s].sides);
     const SideFields& side = sum ? *sum : *shown[s].sides.front();
-    for (std::size_t v = 0; v < fields.size(); ++v) {
-      std::vector<float> values = fields[v].values(model.surfaces[s], *shown[s].layer, side);
-      if (!values.empty()) state.variables[first + v].push_back({surface[s], std::move(values)});  // bare bone: none
-    }
+    add_fields(fields, {model.surfaces[s], *shown[s].layer, side}, surface[s], first, state);
   }
 }
 
@@ -350,45 +342,31 @@ std::vector<double> missed_normals(const Layer& layer, const FieldMaps::LayerMap
   return missed;
 }
 
-/// A field of the check file, and its values on one side of a contact.
-struct CheckField {
-  XpltVariable variable;
-  std::vector<float> (*values)(const Surface&, const Layer&, const FieldMaps::LayerMap&, const SideFields&);
-};
-
-std::vector<CheckField> check_fields() {
-  using S = const Surface&;
-  using L = const Layer&;
-  using M = const FieldMaps::LayerMap&;
-  using F = const SideFields&;
-  const auto surface = [](XpltFormat format, const std::string& name, const std::string& units) {
-    return xplt_variable(XpltGroup::Surface, XpltType::Float, format, name, units);
-  };
+std::vector<SurfaceField> check_fields() {
+  using S = const ContactSide&;
+  constexpr XpltType kType = XpltType::Float;
   return {
-      {surface(XpltFormat::Mult, "cartilage thickness", "L"),
-       [](S s, L l, M, F f) { return per_slot(s, l, f.vertex_thickness); }},
-      {surface(XpltFormat::Item, "joint space", "L"), [](S, L, M, F f) { return per_facet(f.joint_space); }},
-      {surface(XpltFormat::Mult, "missed normal", ""),
-       [](S s, L l, M m, F) { return per_slot(s, l, missed_normals(l, m)); }},
-      {surface(XpltFormat::Mult, "rim", ""), [](S s, L l, M, F) { return per_slot(s, l, rim_at_vertices(l)); }},
-      {surface(XpltFormat::Item, "left out", ""), [](S s, L l, M, F) { return per_facet(left_out_facets(s, l)); }},
-  };
+      thickness_field(),
+      surface_field(kType, XpltFormat::Item, "joint space", "L", [](S s) { return per_facet(s.fields.joint_space); }),
+      surface_field(kType, XpltFormat::Mult, "missed normal", "",
+                    [](S s) { return per_slot(s, missed_normals(s.layer, *s.map)); }),
+      surface_field(kType, XpltFormat::Mult, "rim", "", [](S s) { return per_slot(s, rim_at_vertices(s.layer)); }),
+      surface_field(kType, XpltFormat::Item, "left out", "", [](S s) { return per_facet(left_out_facets(s)); })};
 }
 
 /// Each surface once, at the first contact that has it.
-void add_check_fields(const JointModel& model, const MeshMap& map, const JointCheck& check,
-                      const std::vector<CheckField>& fields, XpltState& state) {
+void add_check_fields(const JointModel& model, const PlotHead& head, const JointCheck& check,
+                      const std::vector<SurfaceField>& fields, XpltState& state) {
   std::vector<char> done(model.surfaces.size(), 0);
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     for (int side = 0; side < 2; ++side) {
       const Layer& layer = check.joint.contacts[c].layers[side];
-      const int region = map.surface[at(layer.surface)];
-      if (region == 0 || done[at(layer.surface)]) continue;
-      done[at(layer.surface)] = 1;
-      for (std::size_t v = 0; v < fields.size(); ++v)
-        state.variables[v].push_back(
-            {region, fields[v].values(model.surfaces[at(layer.surface)], layer, check.maps.contacts[c].layers[side],
-                                      check.fields[c].sides[side])});
+      const std::size_t surface = at(layer.surface);
+      if (head.surface[surface] == 0 || done[surface]) continue;
+      done[surface] = 1;
+      add_fields(fields,
+                 {model.surfaces[surface], layer, check.fields[c].sides[side], &check.maps.contacts[c].layers[side]},
+                 head.surface[surface], 0, state);
     }
   }
   for (auto& regions : state.variables)
@@ -397,8 +375,8 @@ void add_check_fields(const JointModel& model, const MeshMap& map, const JointCh
 }
 
 /// The springs of every contact as lines through both layers, as a part of their own.
-void add_spring_lines(const JointCheck& check, MeshMap& map) {
-  XpltMesh& mesh = map.mesh;
+void add_spring_lines(const JointCheck& check, XpltMesh& mesh) {
+  const std::size_t before = mesh.domains.size();
   int next_node = 1, next_element = 1;
   for (int id : mesh.node_ids) next_node = std::max(next_node, id + 1);
   for (const XpltDomain& d : mesh.domains)
@@ -406,10 +384,11 @@ void add_spring_lines(const JointCheck& check, MeshMap& map) {
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
     const SpringStates& springs = check.reference.springs[c];
-    XpltDomain lines;
-    lines.element_type = xplt_element_type(ElementShape::Line2);
-    lines.part = static_cast<int>(mesh.parts.size()) + 1;
-    lines.name = fmt::format("springs {}", pair.name);
+    XpltDomain lines = {xplt_element_type(ElementShape::Line2),
+                        static_cast<int>(mesh.parts.size()) + 1,
+                        fmt::format("springs {}", pair.name),
+                        {},
+                        {}};
     const bool articular = pair.source_layer().springs_at == SpringsAt::Articular;
     for (int i = 0; i < springs.size(); ++i) {
       const std::size_t k = at(i);
@@ -426,32 +405,30 @@ void add_spring_lines(const JointCheck& check, MeshMap& map) {
       }
       lines.element_ids.push_back(next_element++);
     }
-    if (lines.element_ids.empty()) continue;
-    map.elements += lines.element_ids.size();
-    mesh.domains.push_back(std::move(lines));
+    if (!lines.element_ids.empty()) mesh.domains.push_back(std::move(lines));
   }
-  if (mesh.domains.size() > map.material_of_domain.size()) mesh.parts.push_back("springs");
+  if (mesh.domains.size() > before) mesh.parts.push_back("springs");
 }
 
 }  // namespace
 
 PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed, bool inside) {
-  MeshMap map = make_mesh(model);
+  PlotHead head = make_head(model);
   for (const Body& body : joint.bodies)
-    if (!body.ground) map.mesh.objects.push_back(rigid_body_object(body));
-  PlotHead head{empty_file(model), std::move(map.material_of_domain), std::move(map.surface), map.elements, inside};
+    if (!body.ground) head.file.meshes.front().objects.push_back(rigid_body_object(body));
+  head.inside = inside;
   head.file.compressed = compressed;
-  head.file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
-                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
-                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
-                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
-  const auto tensor = [](const char* name, const char* unit) {
-    return xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, name, unit);
-  };
-  if (inside)
-    head.file.variables.insert(head.file.variables.end(), {tensor("stress", "P"), tensor("Lagrange strain", "")});
+  using T = XpltType;
+  using F = XpltFormat;
+  head.file.variables = {{XpltGroup::Nodal, T::Vec3, F::Node, "displacement", "L"},
+                         {XpltGroup::Domain, T::Vec3, F::Region, "rigid force", "F"},
+                         {XpltGroup::Domain, T::Vec3, F::Region, "rigid torque", "F.L"},
+                         {XpltGroup::Domain, T::Vec3, F::Region, "rigid position", "L"}};
+  if (inside) {
+    head.file.variables.push_back({XpltGroup::Domain, T::Mat3s, F::Item, "stress", "P"});
+    head.file.variables.push_back({XpltGroup::Domain, T::Mat3s, F::Item, "Lagrange strain", ""});
+  }
   for (const SurfaceField& f : surface_fields(inside)) head.file.variables.push_back(f.variable);
-  head.file.meshes.push_back(std::move(map.mesh));
   return head;
 }
 
@@ -462,7 +439,7 @@ XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead
   XpltState state;
   state.time = number(result.when.time);
   state.status = solved(e.outcome) ? kStatusConverged : kStatusNotConverged;
-  state.element_flags.assign(head.elements, 1);
+  state.element_flags.assign(element_count(head.file.meshes.front()), 1);
   state.variables.resize(head.file.variables.size());
   std::vector<float> displacements;
   displacements.reserve(3 * result.displacements.size());
@@ -485,21 +462,20 @@ XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool 
   return std::move(head.file);
 }
 
-XpltMesh plot_mesh(const JointModel& model) { return make_mesh(model).mesh; }
+XpltMesh plot_mesh(const JointModel& model) { return std::move(make_head(model).file.meshes.front()); }
 
 XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
-  MeshMap map = make_mesh(model);
-  XpltFile file = empty_file(model);
-  const std::vector<CheckField> fields = check_fields();
-  for (const CheckField& f : fields) file.variables.push_back(f.variable);
+  PlotHead head = make_head(model);
+  const std::vector<SurfaceField> fields = check_fields();
+  for (const SurfaceField& f : fields) head.file.variables.push_back(f.variable);
   XpltState state;
-  state.variables.resize(file.variables.size());
-  add_check_fields(model, map, check, fields, state);
-  add_spring_lines(check, map);
-  state.element_flags.assign(map.elements, 1);
-  file.meshes.push_back(std::move(map.mesh));
-  file.states.push_back(std::move(state));
-  return file;
+  state.variables.resize(fields.size());
+  add_check_fields(model, head, check, fields, state);
+  XpltMesh& mesh = head.file.meshes.front();
+  add_spring_lines(check, mesh);
+  state.element_flags.assign(element_count(mesh), 1);
+  head.file.states.push_back(std::move(state));
+  return std::move(head.file);
 }
 
 }  // namespace dea

@@ -15,11 +15,10 @@ XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool 
 ///
 /// The same state by state: what all states have in common, and each of them.
 struct PlotHead {
-  XpltFile file;                        ///< header, dictionary, mesh; no states
+  XpltFile file;                        ///< header, dictionary, one mesh; no states
   std::vector<int> material_of_domain;  ///< per domain of the file; -1: springs
   std::vector<int> surface;             ///< per model surface: 1-based region of the file, 0: left out
-  std::size_t elements = 0;
-  bool inside = false;  ///< with stress and strain inside the cartilage
+  bool inside = false;                  ///< with stress and strain inside the cartilage
 };
 PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed = false, bool inside = false);
 XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead& head, const StateResult& result);

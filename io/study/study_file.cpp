@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/files/encoded_text.h"
 #include "io/files/output.h"
-#include "io/files/packed_bytes.h"
 #include "io/settings/setting_words.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"

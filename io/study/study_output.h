@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/files/held_outputs.h"
+#include "io/files/output.h"
 #include "io/study/study_request.h"
 
 namespace dea {

@@ -10,7 +10,6 @@
 
 #include "io/feb/read_feb.h"
 #include "io/files/free_memory.h"
-#include "io/files/job_limits.h"
 #include "io/settings/settings_xml.h"
 #include "io/study/study_schema.h"
 #include "io/tables/read_tables.h"

@@ -10,7 +10,6 @@
 
 #include "io/files/encoded_text.h"
 #include "io/files/free_memory.h"
-#include "io/files/packed_bytes.h"
 #include "io/surfaces/surface_text.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

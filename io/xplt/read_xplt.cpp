@@ -131,12 +131,6 @@ std::vector<float> read_floats(const Chunk& leaf) {
   return values;
 }
 
-template <std::size_t N>
-void read_floats(const Chunk& leaf, std::array<float, N>& values) {
-  require_size(leaf, 4 * N);
-  for (std::size_t i = 0; i < N; ++i) values[i] = float_at(*leaf.source, leaf.begin + 4 * i);
-}
-
 std::string text_at(const Source& source, std::size_t at, std::size_t size) {
   const std::string text = source.bytes->substr(at, size);
   return text.substr(0, text.find('\0'));
@@ -157,11 +151,28 @@ std::string read_fixed_name(const Chunk& leaf) {
   return text_at(*leaf.source, leaf.begin, kFixedName);
 }
 
+void read_into(const Chunk& leaf, int& number) { number = read_int(leaf); }
+void read_into(const Chunk& leaf, std::string& name) { name = read_prefixed_name(leaf); }
+template <std::size_t N>
+void read_into(const Chunk& leaf, std::array<float, N>& values) {
+  require_size(leaf, 4 * N);
+  for (std::size_t i = 0; i < N; ++i) values[i] = float_at(*leaf.source, leaf.begin + 4 * i);
+}
+
+// Reads a leaf of this id; false: it is another.
+template <class Value>
+bool take(const Chunk& leaf, std::uint32_t id, Value& value) {
+  if (leaf.id != id) return false;
+  read_into(leaf, value);
+  return true;
+}
+
 // ----------------------------------------------------------------------------------------------- root
 
 void read_header(const Chunk& header, XpltFile& file) {
   bool has_version = false;
   for_each_child(header, [&](const Chunk& child) {
+    if (take(child, kSoftware, file.software) || take(child, kUnits, file.units)) return;
     switch (child.id) {
       case kVersionTag:
         file.version = read_u32(child);
@@ -172,12 +183,6 @@ void read_header(const Chunk& header, XpltFile& file) {
         break;
       case kCompression:
         file.compressed = read_int(child) != 0;
-        break;
-      case kSoftware:
-        file.software = read_prefixed_name(child);
-        break;
-      case kUnits:
-        file.units = read_prefixed_name(child);
         break;
       case kAuthor:
       case kNodeCountV1:
@@ -273,7 +278,7 @@ void read_nodes(const Chunk& nodes, std::uint32_t version, XpltMesh& mesh) {
     if (child.id == kNodeHeader) {
       for_each_child(child, [&](const Chunk& entry) {
         if (entry.id == kNodeCount) count = read_count(entry);
-        if (entry.id == kNodeDimension) dimension = read_int(entry);
+        take(entry, kNodeDimension, dimension);
       });
       if (dimension != 3) fail(child, fmt::format("nodes with {} coordinates, need 3", dimension));
     } else if (child.id == kNodeCoordinates) {
@@ -303,23 +308,14 @@ XpltDomain read_domain(const Chunk& chunk) {
     if (child.id == kDomainHeader) {
       if (!domain.element_ids.empty()) fail(child, "description of a domain after its elements");
       for_each_child(child, [&](const Chunk& entry) {
-        switch (entry.id) {
-          case kDomainType:
-            domain.element_type = read_int(entry);
-            n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
-            if (n == 0) fail(entry, fmt::format("unknown element type {}", domain.element_type));
-            break;
-          case kDomainPart:
-            domain.part = read_int(entry);
-            break;
-          case kDomainElements:
-            count = read_count(entry);
-            break;
-          case kDomainName:
-            domain.name = read_prefixed_name(entry);
-            break;
-          default:
-            fail_unknown(entry, "a domain");
+        if (take(entry, kDomainPart, domain.part) || take(entry, kDomainName, domain.name)) return;
+        if (take(entry, kDomainType, domain.element_type)) {
+          n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
+          if (n == 0) fail(entry, fmt::format("unknown element type {}", domain.element_type));
+        } else if (entry.id == kDomainElements) {
+          count = read_count(entry);
+        } else {
+          fail_unknown(entry, "a domain");
         }
       });
     } else if (child.id == kElementList) {
@@ -346,11 +342,9 @@ XpltDomain read_domain(const Chunk& chunk) {
 template <class List>
 void read_list_header(const Chunk& header, const ListIds& ids, const char* what, List& list, int& count) {
   for_each_child(header, [&](const Chunk& entry) {
-    if (entry.id == ids.id) return;  // the position counts
+    if (entry.id == ids.id || take(entry, ids.name, list.name)) return;  // the position counts, not the id
     if (entry.id == ids.count) {
       count = read_count(entry);
-    } else if (entry.id == ids.name) {
-      list.name = read_prefixed_name(entry);
     } else if constexpr (std::is_same_v<List, XpltFacets>) {
       if (entry.id != ids.max_nodes) fail_unknown(entry, what);
       list.max_nodes = read_count(entry);
@@ -417,30 +411,12 @@ XpltObject read_object(const Chunk& chunk) {
   XpltObject object;
   object.line = chunk.id == kLineObject;
   for_each_child(chunk, [&](const Chunk& child) {
-    switch (child.id) {
-      case kObjectName:
-        object.name = read_prefixed_name(child);
-        break;
-      case kObjectTag:
-        object.tag = read_int(child);
-        break;
-      case kObjectPosition:
-        read_floats(child, object.position);
-        break;
-      case kObjectRotation:
-        read_floats(child, object.rotation);
-        break;
-      case kLineEnds:
-        read_floats(child, object.line_ends);
-        break;
-      case kObjectData: {
-        const XpltVariable item = read_item(child);
-        object.data.push_back(xplt_variable(XpltGroup::Nodal, item.type, XpltFormat::Node, item.name));
-        break;
-      }
-      default:
-        break;  // the id: objects are numbered in the order of the file
-    }
+    if (take(child, kObjectName, object.name) || take(child, kObjectTag, object.tag) ||
+        take(child, kObjectPosition, object.position) || take(child, kObjectRotation, object.rotation) ||
+        take(child, kLineEnds, object.line_ends) || child.id != kObjectData)
+      return;  // or the id: objects are numbered in the order of the file
+    const XpltVariable item = read_item(child);
+    object.data.push_back({XpltGroup::Nodal, item.type, XpltFormat::Node, item.name});
   });
   return object;
 }
@@ -484,46 +460,25 @@ XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
       read(child);
     });
   };
-  const auto facets_into = [&](std::vector<XpltFacets>& all, const Chunk& section, const ListIds& ids) {
-    read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_facets(child, ids)); });
-  };
-  const auto sets_into = [&](std::vector<XpltSet>& all, const Chunk& section, const ListIds& ids) {
-    read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_set(child, ids)); });
-  };
-  for_each_child(chunk, [&](const Chunk& section) {
-    switch (section.id) {
-      case kNodes:
-        read_nodes(section, version, mesh);
-        break;
-      case kDomains:
-        read_all(section, kDomain, [&](const Chunk& child) { mesh.domains.push_back(read_domain(child)); });
-        break;
-      case kSurfaceIds.section:
-        facets_into(mesh.surfaces, section, kSurfaceIds);
-        break;
-      case kEdgeIds.section:
-        facets_into(mesh.edges, section, kEdgeIds);
-        break;
-      case kFacetSetIds.section:
-        facets_into(mesh.facet_sets, section, kFacetSetIds);
-        break;
-      case kNodeSetIds.section:
-        sets_into(mesh.node_sets, section, kNodeSetIds);
-        break;
-      case kElementSetIds.section:
-        sets_into(mesh.element_sets, section, kElementSetIds);
-        break;
-      case kParts:
-        read_all(section, kPart, [&](const Chunk& child) { mesh.parts.push_back(read_part(child)); });
-        break;
-      case kObjects:
-        for_each_child(section, [&](const Chunk& child) {
-          if (child.id == kPointObject || child.id == kLineObject) mesh.objects.push_back(read_object(child));
-        });
-        break;
-      default:
-        break;  // a section that came later than this reader
-    }
+  for_each_child(chunk, [&](const Chunk& section) {  // others: sections that came later than this reader
+    const auto read_lists = [&](const ListIds& ids, auto& all, auto read) {
+      if (section.id == ids.section)
+        read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read(child, ids)); });
+    };
+    read_lists(kSurfaceIds, mesh.surfaces, read_facets);
+    read_lists(kEdgeIds, mesh.edges, read_facets);
+    read_lists(kFacetSetIds, mesh.facet_sets, read_facets);
+    read_lists(kNodeSetIds, mesh.node_sets, read_set);
+    read_lists(kElementSetIds, mesh.element_sets, read_set);
+    if (section.id == kNodes) read_nodes(section, version, mesh);
+    if (section.id == kDomains)
+      read_all(section, kDomain, [&](const Chunk& child) { mesh.domains.push_back(read_domain(child)); });
+    if (section.id == kParts)
+      read_all(section, kPart, [&](const Chunk& child) { mesh.parts.push_back(read_part(child)); });
+    if (section.id == kObjects)
+      for_each_child(section, [&](const Chunk& child) {
+        if (child.id == kPointObject || child.id == kLineObject) mesh.objects.push_back(read_object(child));
+      });
   });
   check_mesh(chunk, mesh);
   return mesh;
@@ -599,32 +554,18 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
       }
       if (!index) fail(entry, "state of an object before its number");
       XpltObjectState& object = state.objects[*index];
-      switch (entry.id) {
-        case kObjectPosition:
-          read_floats(entry, object.position);
-          break;
-        case kObjectRotation:
-          read_floats(entry, object.rotation);
-          break;
-        case kPointCoordinate:
-          read_floats(entry, object.point);
-          break;
-        case kLineEnds:
-          read_floats(entry, object.line_ends);
-          break;
-        case kObjectData:
-          for_each_child(entry, [&](const Chunk& item) {
-            if (item.id >= object.data.size()) {
-              fail(item, fmt::format("data item {} of an object with {}", item.id, object.data.size()));
-            }
-            const XpltVariable& description = objects[*index].data[item.id];
-            require_size(item, 4 * static_cast<std::size_t>(floats_per_value(description)));
-            object.data[item.id] = read_floats(item);
-          });
-          break;
-        default:
-          break;
-      }
+      if (take(entry, kObjectPosition, object.position) || take(entry, kObjectRotation, object.rotation) ||
+          take(entry, kPointCoordinate, object.point) || take(entry, kLineEnds, object.line_ends) ||
+          entry.id != kObjectData)
+        return;
+      for_each_child(entry, [&](const Chunk& item) {
+        if (item.id >= object.data.size()) {
+          fail(item, fmt::format("data item {} of an object with {}", item.id, object.data.size()));
+        }
+        const XpltVariable& description = objects[*index].data[item.id];
+        require_size(item, 4 * static_cast<std::size_t>(floats_per_value(description)));
+        object.data[item.id] = read_floats(item);
+      });
     });
     if (!index) fail(child, "state of an object without its number");
   });
@@ -632,10 +573,7 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
 }
 
 XpltState read_state(const Chunk& chunk, const XpltFile& file) {
-  const XpltMesh& mesh = file.meshes.back();
-  std::size_t elements = 0;
-  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
-
+  const std::size_t elements = element_count(file.meshes.back());
   XpltState state;
   state.mesh = static_cast<int>(file.meshes.size()) - 1;
   state.variables.resize(file.variables.size());
@@ -648,7 +586,7 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
             state.time = read_float(entry);
             has_time = true;
           }
-          if (entry.id == kStateStatus) state.status = read_int(entry);
+          take(entry, kStateStatus, state.status);
         });
         break;
       case kMeshState:
@@ -656,9 +594,8 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
           if (entry.id != kElementFlags) return;
           require_size(entry, 4 * elements);
           state.element_flags.clear();
-          for (std::size_t at = entry.begin; at < entry.end; at += 4) {
+          for (std::size_t at = entry.begin; at < entry.end; at += 4)
             state.element_flags.push_back(u32_at(*entry.source, at));
-          }
         });
         break;
       case kStateData: {

@@ -15,8 +15,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "io/files/encoded_text.h"
 #include "io/files/output.h"
-#include "io/files/packed_bytes.h"
 #include "io/files/spool.h"
 #include "io/xplt/xplt.h"
 #include "io/xplt/xplt_format.h"
@@ -133,9 +133,8 @@ void check_mesh(const XpltMesh& mesh) {
   require(!mesh.domains.empty(), "mesh without elements");
   std::set<int> element_ids;
   for (const XpltDomain& domain : mesh.domains) {
-    constexpr int kTri10 = 15;
+    require(xplt_element_shape(domain.element_type).has_value(), "element type");
     const int n = xplt_nodes_per_element(domain.element_type);
-    require(n > 0 && domain.element_type != kTri10, "element type");
     require(!domain.element_ids.empty(), "domain without elements");
     require(domain.nodes.size() == domain.element_ids.size() * static_cast<std::size_t>(n),
             "element ids and nodes of a domain");
@@ -163,9 +162,7 @@ void check_mesh(const XpltMesh& mesh) {
 void check_state(const XpltFile& file, const XpltState& state) {
   const XpltMesh& mesh = file.meshes[static_cast<std::size_t>(state.mesh)];
   require(std::isfinite(state.time), "time: not a finite number");
-  std::size_t elements = 0;
-  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
-  require(state.element_flags.empty() || state.element_flags.size() == elements, "element flags");
+  require(state.element_flags.empty() || state.element_flags.size() == element_count(mesh), "element flags");
 
   require(state.variables.size() == file.variables.size(), "data for each variable of the dictionary");
   for (std::size_t i = 0; i < file.variables.size(); ++i) {
@@ -391,26 +388,20 @@ void put_parts(std::string& out, const XpltMesh& mesh) {
   }
 }
 
-// Objects are numbered from 1 within their kind.
-struct ObjectNumbers {
-  int points = 0, lines = 0;
-  int next(bool line) { return line ? ++lines : ++points; }
-};
-
 void put_objects(std::string& out, const std::vector<XpltObject>& objects) {
   if (objects.empty()) return;
   const OpenChunk section(out, kObjects);
-  ObjectNumbers numbers;
+  int numbers[2] = {};  // of points, of lines: objects are numbered from 1 within their kind
   for (const XpltObject& object : objects) {
     const OpenChunk one(out, object.line ? kLineObject : kPointObject);
-    leaf(out, kObjectId, numbers.next(object.line));
+    leaf(out, kObjectId, ++numbers[object.line]);
     prefixed_name(out, kObjectName, object.name);
     leaf(out, kObjectTag, object.tag);
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
     if (object.line) leaf_of_all(out, kLineEnds, object.line_ends);
     for (const XpltVariable& item : object.data)
-      put_item(out, kObjectData, xplt_variable(XpltGroup::Global, item.type, XpltFormat::Item, item.name), false);
+      put_item(out, kObjectData, {XpltGroup::Global, item.type, XpltFormat::Item, item.name}, false);
   }
 }
 
@@ -446,11 +437,11 @@ void put_data(std::string& out, const XpltFile& file, const XpltState& state, Xp
 void put_object_states(std::string& out, const std::vector<XpltObject>& objects, const XpltState& state) {
   if (state.objects.empty()) return;
   const OpenChunk section(out, kObjectStates);
-  ObjectNumbers numbers;
+  int numbers[2] = {};  // of points, of lines: objects are numbered from 1 within their kind
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const XpltObjectState& object = state.objects[i];
     const OpenChunk one(out, objects[i].line ? kLineObject : kPointObject);
-    leaf(out, kObjectId, numbers.next(objects[i].line));
+    leaf(out, kObjectId, ++numbers[objects[i].line]);
     leaf_of_all(out, kObjectPosition, object.position);
     leaf_of_all(out, kObjectRotation, object.rotation);
     if (objects[i].line)

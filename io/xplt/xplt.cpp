@@ -8,17 +8,6 @@
 
 namespace dea {
 
-XpltVariable xplt_variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
-                           const std::string& units) {
-  XpltVariable v;
-  v.group = group;
-  v.type = type;
-  v.format = format;
-  v.name = name;
-  v.units = units;
-  return v;
-}
-
 int floats_per_value(const XpltVariable& variable) {
   static constexpr int kFloats[] = {1, 3, 6, 3, 21, 9, 1, 3};  // by the type's code; of an array per entry
   const bool array = variable.type == XpltType::Array || variable.type == XpltType::ArrayVec3;
@@ -62,6 +51,12 @@ int xplt_element_type(ElementShape shape) {
 }
 
 int xplt_elements(const XpltDomain& domain) { return static_cast<int>(domain.element_ids.size()); }
+
+std::size_t element_count(const XpltMesh& mesh) {
+  std::size_t count = 0;
+  for (const XpltDomain& domain : mesh.domains) count += domain.element_ids.size();
+  return count;
+}
 
 int find_variable(const XpltFile& file, XpltGroup group, const std::string& name) {
   for (std::size_t i = 0; i < file.variables.size(); ++i) {

@@ -21,14 +21,12 @@ struct XpltVariable {
   XpltGroup group = XpltGroup::Nodal;
   XpltType type = XpltType::Float;
   XpltFormat format = XpltFormat::Node;
+  std::string name = {};
+  std::string units = {};  ///< FEBio's dimension code, only used when XpltFile::units is given
   int array_size = 0;
-  std::vector<std::string> array_names;
-  std::string name;
-  std::string units;  ///< FEBio's dimension code, only used when XpltFile::units is given
+  std::vector<std::string> array_names = {};
   bool operator==(const XpltVariable&) const = default;
 };
-XpltVariable xplt_variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
-                           const std::string& units = "");
 
 struct XpltDomain {
   int element_type = 0;  ///< code of the file format (0 hex8, 1 penta6, ...)
@@ -134,8 +132,9 @@ int xplt_nodes_per_element(int element_type);
 int xplt_element_type(ElementShape shape);
 /// The same backwards; nothing: an unknown code, or tri10.
 std::optional<ElementShape> xplt_element_shape(int element_type);
-/// Number of elements of a domain.
+/// Number of elements of a domain, and of all of a mesh.
 int xplt_elements(const XpltDomain& domain);
+std::size_t element_count(const XpltMesh& mesh);
 
 /// Index in file.variables of the variable with this name in this group, -1 if none.
 int find_variable(const XpltFile& file, XpltGroup group, const std::string& name);

@@ -81,10 +81,10 @@ XpltFile make_file(int n, const std::vector<double>& times, const Field& pressur
   XpltFile file;
   file.software = "test";
   file.meshes = {make_mesh(n)};
-  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
-                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact gap")};
+  file.variables = {XpltVariable{XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"},
+                    XpltVariable{XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact gap"}};
   for (double t : times) {
     XpltState state;
     state.time = static_cast<float>(t);
@@ -414,7 +414,7 @@ void displace(XpltFile& file, const std::function<Vector3d(const Vector3d&)>& u)
 }
 
 void add_contact_force(XpltFile& file, float z) {
-  file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"));
+  file.variables.push_back(XpltVariable{XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"});
   file.states.back().variables.push_back({{2, {0, 0, z}}});
 }
 

@@ -88,12 +88,12 @@ ResultFile one_element(ElementShape shape, const Matrix3d& F, bool stored_strain
   mesh.surfaces.push_back({"top", {0, static_cast<int>(face.size())}, face, static_cast<int>(face.size())});
   mesh.parts = {"cartilage"};
   x.meshes.push_back(mesh);
-  x.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
-                 xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, "stress")};
+  x.variables = {XpltVariable{XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"},
+                 XpltVariable{XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, "stress"}};
   XpltState state;
   state.variables = {{{0, moved}}, {{1, {1, 2, 5, 0, 0, 0}}}};
   if (stored_strain) {
-    x.variables.push_back(xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, "Lagrange strain"));
+    x.variables.push_back(XpltVariable{XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, "Lagrange strain"});
     state.variables.push_back({{1, {0.1f, 0, -0.2f, 0, 0, 0.05f}}});
   }
   x.states.push_back(state);

@@ -11,7 +11,6 @@
 
 #include "io/feb/read_feb.h"
 #include "io/files/free_memory.h"
-#include "io/files/job_limits.h"
 #include "io/settings/settings_xml.h"
 #include "io/surfaces/read_surface.h"
 #include "io/tables/table.h"

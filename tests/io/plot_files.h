@@ -81,8 +81,8 @@ inline ResultFile result_of(const std::string& label, const PlotPatch& p,
   mesh.surfaces = {facets, bare};
   file.meshes = {mesh};
   for (const char* name : {"contact pressure", "joint space"})
-    file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name));
-  file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Item, "contact traction"));
+    file.variables.push_back(XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name});
+  file.variables.push_back(XpltVariable{XpltGroup::Surface, XpltType::Vec3, XpltFormat::Item, "contact traction"});
   for (std::size_t s = 0; s < pressures.size(); ++s) {
     XpltState state;
     state.time = static_cast<float>(s);

@@ -9,7 +9,6 @@
 #include <cstring>
 
 #include "io/files/encoded_text.h"
-#include "io/files/packed_bytes.h"
 #include "src/base/error.h"
 
 #include "tests/io/text_file.h"

@@ -287,10 +287,10 @@ std::vector<double> doubles(const std::vector<float>& values) { return {values.b
 /// Two triangles that share an edge, one of them alone in the second surface with other values; a wedge under them.
 XpltFile small_file() {
   XpltFile file;
-  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact <\"&> pressure"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "nodal"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force")};
+  file.variables = {XpltVariable{XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact <\"&> pressure"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "nodal"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"}};
   XpltMesh mesh;
   mesh.node_ids = {1, 2, 3, 4, 5, 60, 7};
   for (const auto& x :

@@ -32,8 +32,8 @@ namespace fs = std::filesystem;
 XpltFile cube() {
   XpltFile file;
   file.software = "dea";
-  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
-                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure")};
+  file.variables = {XpltVariable{XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"},
+                    XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure"}};
 
   XpltMesh mesh;
   mesh.node_ids = {1, 2, 3, 4, 5, 6, 7, 8};
@@ -165,7 +165,7 @@ XpltFile everything() {
   file.units = "mm-N-s";
   file.variables.clear();
   const auto declare = [&](XpltGroup group, XpltType type, XpltFormat format, const std::string& name, int array = 0) {
-    file.variables.push_back(xplt_variable(group, type, format, name));
+    file.variables.push_back(XpltVariable{group, type, format, name});
     file.variables.back().array_size = array;
   };
   declare(XpltGroup::Global, XpltType::Float, XpltFormat::Region, "iterations");

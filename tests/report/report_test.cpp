@@ -155,7 +155,7 @@ ResultFile moved(const std::vector<std::function<Vector3d(const Vector3d&)>>& mo
   const test::PlotPatch p = test::sheet(6, 4, 6, 4, [](double x, double y) { return Vector3d(x, y, 0.1 * x * y); });
   ResultFile file =
       test::result_of("moved", p, std::vector<std::vector<double>>(motions.size(), std::vector<double>(24, 1)));
-  file.xplt.variables.push_back(xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"));
+  file.xplt.variables.push_back(XpltVariable{XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"});
   for (std::size_t s = 0; s < motions.size(); ++s) {
     std::vector<float> values;
     for (const Vector3d& x : p.nodes)

@@ -60,7 +60,7 @@ inline ResultFile make_dome_result(const std::string& path, const std::string& l
   mesh.domains = {shells};
   result.xplt.meshes = {mesh};
   for (const auto& field : fields)
-    result.xplt.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.first));
+    result.xplt.variables.push_back(XpltVariable{XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.first});
   for (double t : times) {
     XpltState state;
     state.time = static_cast<float>(t);

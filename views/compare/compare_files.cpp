@@ -466,7 +466,7 @@ std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, c
 }
 
 XpltVariable surface_variable(const std::string& name, const std::string& units) {
-  return xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units);
+  return {XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units};
 }
 
 /// Per written state the state of each file.

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "io/files/encoded_text.h"
-#include "io/files/packed_bytes.h"
 
 namespace dea {
 

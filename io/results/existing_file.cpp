@@ -1,9 +1,11 @@
-#include "io/results/existing_plot.h"
+#include "io/results/existing_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 
 #include "io/results/plot_file.h"
@@ -14,6 +16,22 @@
 namespace dea {
 
 namespace {
+
+/// Is the word in it? Read in pieces: a model may be as large as the memory.
+bool has(const std::string& path, std::string_view word) {
+  constexpr std::size_t kPiece = 1 << 20, kLongest = 64;  // of words, which may lie across two pieces
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  while (in) {
+    const std::size_t kept = std::min(text.size(), kLongest);
+    text.erase(0, text.size() - kept);
+    text.resize(kept + kPiece);
+    in.read(text.data() + kept, kPiece);
+    text.resize(kept + static_cast<std::size_t>(in.gcount()));
+    if (text.find(word) != text.npos) return true;
+  }
+  return false;
+}
 
 PlotKind kind_of(const XpltFile& file) {
   if (find_variable(file, XpltGroup::Surface, "missed normal") >= 0) return PlotKind::Check;
@@ -48,12 +66,6 @@ std::string why_foreign(const std::string& path, PlotKind kind, std::optional<Xp
   return found == kind ? "" : fmt::format("it is there already, {}", words_of(found));
 }
 
-std::size_t element_count(const XpltMesh& mesh) {
-  std::size_t count = 0;
-  for (const XpltDomain& d : mesh.domains) count += d.element_ids.size();
-  return count;
-}
-
 bool same_domains(const XpltMesh& a, const XpltMesh& b) {
   return std::equal(a.domains.begin(), a.domains.end(), b.domains.begin(), b.domains.end(),
                     [](const XpltDomain& x, const XpltDomain& y) {
@@ -67,6 +79,20 @@ std::string mesh_words(const XpltMesh& mesh) {
 }
 
 }  // namespace
+
+bool would_replace(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0 && !error;
+}
+
+std::string why_kept_model(const std::string& path, ModelOf command) {
+  if (!would_replace(path)) return "";
+  if (!std::ifstream(path, std::ios::binary)) return "it is there already, and cannot be read";
+  if (command == ModelOf::Convert)
+    return has(path, kConvertedMark) ? "" : "it is there already, a model without a contact of type dea";
+  const bool ours = has(path, kBuiltMark) && !has(path, kConvertedMark);
+  return ours ? "" : "it is there already, not made by dea build";
+}
 
 std::string why_kept(const std::string& path, PlotKind kind) {
   std::optional<XpltFile> outline;

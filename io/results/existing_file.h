@@ -1,0 +1,36 @@
+// io/results/existing_file.h – a model or plot file that is there already: may another one take its place unasked?
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/model/joint_model.h"
+
+namespace dea {
+
+/// A plain file with something in it is at `path`: what writing there would replace.
+bool would_replace(const std::string& path);
+
+/// Words by which a model is known: a contact of the plugin, and the comment that `dea build` writes.
+inline constexpr std::string_view kConvertedMark = "type=\"dea\"", kBuiltMark = "Made by dea build";
+
+/// Who wants to write a model.
+enum class ModelOf { Convert, Build };
+
+/// Why a model must not replace the file at `path` unless it is asked for: "it is there already, not made by dea
+/// build"; empty: it may. One that is not there, is empty or no plain file may be replaced; `dea convert` replaces
+/// models with a contact of type dea, `dea build` its own that have none.
+std::string why_kept_model(const std::string& path, ModelOf command);
+
+/// What a plot file of ours shows: the results of a run, what was recognised (dea info), results side by side.
+enum class PlotKind { Run, Check, Comparison };
+
+/// Why a plot file of this kind must not replace the one at `path` unless it is asked for, as what that one is: "it is
+/// there already, written by FEBio4"; empty: it may. Of the same kind and ours, or empty, or none: it may.
+std::string why_kept(const std::string& path, PlotKind kind);
+
+/// The same of a run's plot file with states at `times`. Nor must it replace one of another mesh (other numbers of
+/// nodes, of elements, or other parts), or with states at other times than these, which would be lost.
+std::string why_kept(const std::string& path, const JointModel& model, const std::vector<double>& times);
+
+}  // namespace dea
