@@ -2,7 +2,7 @@
 "use strict";
 
 const Page = (() => {
-  const $ = (id) => document.getElementById(id), layers = Report.layers, bodies = Report.bodies;
+  const layers = Report.layers, bodies = Report.bodies;
   const { framed, tick, style, withLegend } = Figures.tools;
   const state = { layer: Math.max(0, layers.findIndex((l) => !l.bare)), shown: bodies.map(() => ({ bone: true, cartilage: true })), solid: false, theme: "light" };
   const quantities = {
@@ -121,8 +121,8 @@ const Page = (() => {
     const mine = ++ticket, l = layers[state.layer], mesh = await Data.mesh(l.mesh), made = [];
     for (const quantity of Object.keys(quantities)) if (l[quantity] !== null && Report.scales[quantity]) made.push({ quantity, numbers: await Data.array(l[quantity]) });
     if (mine !== ticket) return;
-    panels = made.map((w, i) => ({ ...w, sheet: mesh, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
-    $("panels").replaceChildren(...panels.map((p) => make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: quantities[p.quantity].head })), p.canvas, p.readout)));
+    panels = made.map((w, i) => ({ ...w, sheet: mesh, canvas: makeMapCanvas("map" + i), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
+    $("panels").replaceChildren(...panels.map((p) => makePanel([make("h3", { text: quantities[p.quantity].head })], p.canvas, p.readout)));
     $("bars").replaceChildren(...panels.map(() => make("canvas", {})));
     parts.setPanels(panels);
     resetLayer();

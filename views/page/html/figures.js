@@ -303,6 +303,8 @@ const Figures = (() => {
     build: (state, width, ink) => curves({ series: measureSeries(state, ink, get), quantity, dimension, now: nowOf(state) }, width, ink)
   });
 
+  // Keys of the headline numbers, titles, quantities, dimensions.
+  const headlines = [["p99", "99th percentile", "p99", "pressure"], ["mean", "Mean pressure", "mean pressure", "pressure"], ["area", "Contact area", "contact area", "area"], ["peak", "Peak pressure", "peak pressure", "pressure"]];
   function list() {
     const out = { now: [], time: [] };
     if (!Report.surfaces.length) return out;
@@ -315,21 +317,14 @@ const Figures = (() => {
         caption: (s) => `Nodal pressure of each result over that of ${labels()[labels().length - 1]}, where either is above 0. Dashed: identity; solid: least-squares line. r and slope weighted by nodal area. ${s.surface.about.title}, ${at(s)}.` });
       if (several) {
         const when = (s) => s.surface.about.regions.length > 1;
-        const by = (id, title, quantity, dimension, get) => out.now.push({ id, title, when, build: bars(quantity, dimension, get), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
-        by("region-p99", "99th percentile by region", "p99", "pressure", (m) => m.headline.p99);
-        by("region-mean", "Mean pressure by region", "mean pressure", "pressure", (m) => m.headline.mean);
-        by("region-area", "Contact area by region", "contact area", "area", (m) => m.headline.area);
-        by("region-peak", "Peak pressure by region", "peak pressure", "pressure", (m) => m.headline.peak);
+        for (const [key, title, quantity, dimension] of headlines)
+          out.now.push({ id: "region-" + key, title: title + " by region", when: (s) => s.surface.about.regions.length > 1, build: bars(quantity, dimension, (m) => m.headline[key]), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
       }
       if (Report.surfaces.some((s) => s.bins.length > 1))
         out.now.push({ id: "profile", title: "Pressure along the angle", build: profile, when: (s) => s.surface.about.bins.length > 1,
           caption: (s) => `Area-weighted mean of the facets in each bin, those without pressure included, against the angle from the axis. ${s.surface.about.title}, ${at(s)}.` });
       if (Report.results.some((r) => r.times.length > 1)) {
-        const nodes = "Nodes above the threshold, weighted by area.";
-        out.time.push(over("time-p99", "99th percentile", "p99", "pressure", (m) => m.headline.p99, nodes));
-        out.time.push(over("time-mean", "Mean pressure", "mean pressure", "pressure", (m) => m.headline.mean, nodes));
-        out.time.push(over("time-area", "Contact area", "contact area", "area", (m) => m.headline.area, nodes));
-        out.time.push(over("time-peak", "Peak pressure", "peak pressure", "pressure", (m) => m.headline.peak, nodes));
+        for (const [key, title, quantity, dimension] of headlines) out.time.push(over("time-" + key, title, quantity, dimension, (m) => m.headline[key], "Nodes above the threshold, weighted by area."));
         out.time.push(over("time-force", "Resultant", "force", "force", (m) => m.force, "|Σ p A n| on the surface in its reference shape."));
       }
     } else {
@@ -367,7 +362,7 @@ const Figures = (() => {
     f.words = make("figcaption", { class: "caption" });
     f.head = make("h3", {});
     f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, f.head, make("span", { class: "save" },
-      button("PNG", "Save as PNG", () => savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => saveSvg(f, state, fileName(f.id))),
+      button("PNG", "Save as PNG", () => savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => saveSvg(onPaper(f, state), fileName(f.id))),
       f.table ? button("CSV", "Save the numbers", () => saveCsv(f.table(state), f.id)) : null)), f.plot, f.words);
     return f.element;
   }
@@ -409,20 +404,21 @@ const Figures = (() => {
     setTimeout(() => URL.revokeObjectURL(url), 10000);
   }
   async function saveCanvas(canvas, name) { save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png"); }
-  function svgText(root, ink) {
-    const copy = root.cloneNode(true), paper = svg("rect", { width: "100%", height: "100%", fill: ink.paper });
-    copy.insertBefore(paper, copy.firstChild);
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(copy);
-  }
+  const svgText = (root) => '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(root);
+  const saveSvg = (root, name) => save(new Blob([svgText(root)], { type: "image/svg+xml" }), name + ".svg");
   // On white, whatever the page's theme: pictures go into papers.
-  function saveSvg(figure, state, name) {
-    const ink = Colours.ink.light, root = padded(figure.build(state, 620, ink));
-    save(new Blob([svgText(root, ink)], { type: "image/svg+xml" }), name + ".svg");
+  function onPaper(figure, state) {
+    const ink = Colours.ink.light, root = figure.build(state, 620, ink), width = Number(root.getAttribute("width")) + 24, height = Number(root.getAttribute("height")) + 24;
+    const out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
+    root.setAttribute("x", 12);
+    root.setAttribute("y", 12);
+    out.append(svg("rect", { width: "100%", height: "100%", fill: ink.paper }), root);
+    return out;
   }
   async function savePng(figure, state, name) {
-    const ink = Colours.ink.light, root = padded(figure.build(state, 620, ink)), k = 3;
+    const root = onPaper(figure, state), k = 3;
     const image = new Image();
-    image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svgText(root, ink));
+    image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svgText(root));
     await image.decode();
     const canvas = document.createElement("canvas");
     canvas.width = k * Number(root.getAttribute("width"));
@@ -430,16 +426,8 @@ const Figures = (() => {
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
     saveCanvas(canvas, name);
   }
-  function padded(root) {
-    const width = Number(root.getAttribute("width")) + 24, height = Number(root.getAttribute("height")) + 24;
-    const out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
-    root.setAttribute("x", 12);
-    root.setAttribute("y", 12);
-    out.append(root);
-    return out;
-  }
 
   // what the figures of studies are made of, too
   const tools = { svg, svgns, root, place, withLegend, base, axis, axisAt, fitted, framed, ticksIn, rowed, boxMarks, known, tick, extent, style };
-  return { list, element, draw, drawAll, save, saveCanvas, resultStyle, cut, textWidth, tools };
+  return { list, element, draw, drawAll, save, saveCanvas, saveSvg, resultStyle, cut, textWidth, tools };
 })();
