@@ -170,13 +170,6 @@ MapValues difference(const NodeMatch& match, const ResultSurface& surface, const
   return d;
 }
 
-std::vector<double> finite(const std::vector<double>& values) {
-  std::vector<double> out;
-  for (double x : values)
-    if (std::isfinite(x)) out.push_back(x);
-  return out;
-}
-
 bool to_be_seen(const MapSurface& s, int facet) {
   for (int t = 0; t < s.mesh.size(); ++t)
     if (s.mesh.facet[at(t)] == facet && s.projection.layer[at(t)] >= 0 && !s.projection.back[at(t)] &&
@@ -217,14 +210,14 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   const std::vector<double>& of = figure.smooth ? values.vertices : values.facets;
   const std::vector<double> areas = figure.smooth ? nodal_areas(s.surface) : s.surface.facet_areas;
   const char* where = figure.smooth ? "nodes" : "facets";
-  const std::vector<double> shown = finite(of);
+  ValueRange shown;
+  shown.add(of);
   // where two results agree exactly a difference of 0 is the answer
-  const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
+  const bool zero = shown.least == 0 && shown.most == 0;
   if (shown.empty() || (zero && !is_diverging(figure.map))) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
     return;
   }
-  const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
   double area = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < of.size(); ++i) {
     if (!std::isfinite(of[i])) continue;
@@ -232,14 +225,11 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     sum += areas[i] * of[i];
     squares += areas[i] * of[i] * of[i];
   }
-  if (is_diverging(figure.map)) {
-    const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
-    panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
-    return;
-  }
-  if (!figure.pressure) {
-    const std::string range = fmt::format("{}: {} to {}", where, number(*least), number(*most));
-    panel.numbers = {fmt::format("{}, mean {}{}", range, number(sum / area), unit), range + unit, range};
+  if (!figure.pressure || is_diverging(figure.map)) {
+    const bool both = is_diverging(figure.map);
+    const std::string range = fmt::format("{}: {} to {}", where, number(shown.least, both), number(shown.most, both)),
+                      typical = both ? "rms " + number(std::sqrt(squares / area)) : "mean " + number(sum / area);
+    panel.numbers = {fmt::format("{}, {}{}", range, typical, unit), range + unit, range};
     return;
   }
   std::vector<double> pressure = values.facets;

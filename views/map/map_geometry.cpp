@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -525,24 +524,18 @@ double area_above(const MapMesh& mesh, const std::vector<double>& values, double
 
 double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points) {
   double wanted = 0.0;
-  bool everywhere = true;
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (facets[at(mesh.facet[at(t)])] > 0)
-      wanted += mesh.areas[at(t)];
-    else
-      everywhere = false;
-  }
-  return level_enclosing(mesh, everywhere ? kInfinity : wanted, points);
+  for (int t = 0; t < mesh.size(); ++t)
+    if (facets[at(mesh.facet[at(t)])] > 0) wanted += mesh.areas[at(t)];
+  return level_enclosing(mesh, wanted, points);
 }
 
 double level_enclosing(const MapMesh& mesh, double wanted, const std::vector<double>& points) {
   constexpr double kLeast = 1e-12;
   double low = 0.0, high = 0.0, whole_area = 0.0;
   for (double area : mesh.areas) whole_area += area;
-  const bool everywhere = wanted > whole_area * (1 - 1e-9);
   for (double x : points) high = std::max(high, x);
-  if (!(high > 0)) return std::numeric_limits<double>::infinity();
-  if (everywhere) return kLeast;
+  if (!(high > 0)) return kInfinity;
+  if (wanted > whole_area * (1 - 1e-9)) return kLeast;
   // Only triangles with values to both sides of the level are looked at again.
   struct Cut {
     int triangle;

@@ -26,15 +26,6 @@ constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 i
 
 std::string file_name(const std::string& path) { return fs::path(path).filename().string(); }
 
-/// The same facets as in the state that the surface's mesh is of?
-bool same_surface(const ResultFile& file, int state, const std::string& name, int compared, int compared_surface) {
-  const int surface = find_surface(file, state, name);
-  if (surface < 0) return false;
-  if (file.xplt.states[at(state)].mesh == file.xplt.states[at(compared)].mesh) return surface == compared_surface;
-  return mesh_of(file, state).surfaces[at(surface)] == mesh_of(file, compared).surfaces[at(compared_surface)] &&
-         mesh_of(file, state).coordinates == mesh_of(file, compared).coordinates;
-}
-
 /// Equal, and undefined at the same places.
 bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
@@ -112,20 +103,18 @@ PageCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
   return carry;
 }
 
-/// What to look at first: the whole surface, as dea plot shows the first result's.
-void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
-  std::vector<double> load(at(first.facets()), 0.0);
-  if (s.pressure.front()) {
-    const PageField& field = *s.pressure.front();
-    const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
-    for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
-  }
-  s.view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
+/// Of a result in one of its states; empty: none.
+std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::size_t state) {
+  const std::optional<PageField>& field = s.pressure[result];
+  return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
 }
 
-void find_unsolved(const std::vector<ResultFile>& files, PageFrame& frame) {
-  for (std::size_t i = 0; i < files.size(); ++i)
-    if (frame.states[i] >= 0 && !is_solution(files[i], frame.states[i])) frame.unsolved.push_back(static_cast<int>(i));
+/// What to look at first: the whole surface, as dea plot shows the first result's.
+void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
+  std::vector<double> load = pressure_in(s, 0, at(state));
+  load.resize(at(first.facets()), 0.0);
+  for (double& p : load) p = std::max(p, 0.0);
+  s.view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
 }
 
 /// States of the results that show the same time, and the compared ones.
@@ -148,15 +137,13 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
   for (const PageFrame& f : all)
     if (std::find(f.states.begin(), f.states.end(), -1) == f.states.end()) common.push_back(f);
   data.frames = common.size() >= 2 ? common : all;
-  for (PageFrame& f : data.frames) find_unsolved(files, f);
-  for (std::size_t f = 0; f < data.frames.size(); ++f) {
-    if (data.frames[f].states != compared) continue;
-    data.frame = static_cast<int>(f);
-    return;
-  }
-  data.frames.push_back({kNaN, compared});
-  find_unsolved(files, data.frames.back());
-  data.frame = static_cast<int>(data.frames.size()) - 1;
+  auto shown =
+      std::find_if(data.frames.begin(), data.frames.end(), [&](const PageFrame& f) { return f.states == compared; });
+  if (shown == data.frames.end()) shown = data.frames.insert(shown, PageFrame{kNaN, compared});
+  data.frame = static_cast<int>(shown - data.frames.begin());
+  for (PageFrame& f : data.frames)
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (f.states[i] >= 0 && !is_solution(files[i], f.states[i])) f.unsolved.push_back(static_cast<int>(i));
 }
 
 /// What maps hold, at nodes and facets.
@@ -308,11 +295,20 @@ void add_scales(const Quantity& q, PageSurface& s) {
   }
 }
 
-/// Per state of a file the surface of its mesh that is the compared one; -1: none.
-std::vector<int> surfaces_in_states(const ResultFile& file, int compared, int surface, const std::string& name) {
+/// Per state of a file the surface of its mesh that has the same facets as the compared one; -1: none.
+std::vector<int> surfaces_in_states(const ResultFile& file, int compared, int compared_surface,
+                                    const std::string& name) {
   std::vector<int> surfaces;
-  for (int k = 0; k < static_cast<int>(file.xplt.states.size()); ++k)
-    surfaces.push_back(same_surface(file, k, name, compared, surface) ? find_surface(file, k, name) : -1);
+  const XpltMesh& mesh = mesh_of(file, compared);
+  for (int k = 0; k < static_cast<int>(file.xplt.states.size()); ++k) {
+    const int surface = find_surface(file, k, name);
+    const XpltMesh& other = mesh_of(file, k);
+    const bool same =
+        surface >= 0 && (&other == &mesh ? surface == compared_surface
+                                         : other.surfaces[at(surface)] == mesh.surfaces[at(compared_surface)] &&
+                                               other.coordinates == mesh.coordinates);
+    surfaces.push_back(same ? surface : -1);
+  }
   return surfaces;
 }
 
@@ -348,12 +344,6 @@ void add_edges(const ResultSurface& own, PageField& field) {
     const std::vector<double>& p = field.states[k];
     field.edges[k] = p.empty() ? kInfinity : edge_level(mesh, p, point_values(mesh, nodal_average(own, p)));
   });
-}
-
-/// Of a result in one of its states; empty: none.
-std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::size_t state) {
-  const std::optional<PageField>& field = s.pressure[result];
-  return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
 }
 
 /// The numbers of every state.

@@ -206,7 +206,7 @@ Json page_json(const PageData& data, PageArrays& arrays) {
 std::string page_html(const PageData& data) {
   PageArrays arrays;
   const Json json = page_json(data, arrays);
-  return page_text(data.title, json, arrays, {"", std::string(page::main())});
+  return page_text(data.title, json, arrays, "", page::main());
 }
 
 void write_page(const std::string& path, const PageData& data) { write_text(path, page_html(data)); }
