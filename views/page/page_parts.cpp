@@ -8,6 +8,7 @@
 #include <map>
 
 #include "io/files/encoded_text.h"
+#include "src/base/time_text.h"
 #include "src/version.h"
 #include "views/map/colour_map.h"
 #include "views/page/page.h"
@@ -99,6 +100,8 @@ Json short_number(double x) {
   if (!std::isfinite(x)) return nullptr;
   return Json(std::stod(fmt::format("{:.9g}", x)));
 }
+
+Json time_json(double time) { return json_number(time_meant(time)); }
 
 Json table_json(const TitledTable& t) {
   return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};

@@ -28,6 +28,7 @@ Json mesh_json(const ResultSurface& surface, const std::vector<std::int32_t>& no
 
 /// With nine digits, twelve would be the machine's noise; null: not finite.
 Json short_number(double x);
+Json time_json(double time);
 
 Json table_json(const TitledTable& table);
 
