@@ -127,11 +127,9 @@ std::string frame_name(int frame, int frames) {
 }
 
 bool is_frame(const std::string& name) {
-  const std::string lead = kFrame, end = ".png";
-  if (name.size() <= lead.size() + end.size() || name.rfind(lead, 0) != 0) return false;
-  if (name.compare(name.size() - end.size(), end.size(), end) != 0) return false;
-  return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(lead.size()),
-                     name.end() - static_cast<std::ptrdiff_t>(end.size()), [](char c) { return c >= '0' && c <= '9'; });
+  const std::string_view lead = kFrame, end = ".png";
+  if (name.size() <= lead.size() + end.size() || !name.starts_with(lead) || !name.ends_with(end)) return false;
+  return name.find_first_not_of("0123456789", lead.size()) == name.size() - end.size();
 }
 
 void write_frames(const Animation& animation, const PictureOptions& look, const EachFrame& each) {

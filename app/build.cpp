@@ -103,7 +103,7 @@ void write_page(const BuildArguments& a, const BuildSummary& summary, const Buil
   for (const NamedPath& file : inputs.files) page.files.push_back(file.path);
   page.files.push_back(a.output);
   page.files.push_back(a.report);
-  write_build_page(a.report, page);
+  write_text(a.report, build_page_html(page));
 }
 
 }  // namespace

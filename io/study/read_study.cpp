@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "io/files/packed_bytes.h"
+#include "io/files/encoded_text.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "io/files/output.h"
 #include "src/base/numbers.h"
 #include "src/base/unit_names.h"
 #include "src/build/clear_overlap.h"
@@ -243,12 +242,7 @@ std::string build_page_html(const BuildPageInput& input) {
     page["hip_words"] = hip_words(*s.anatomy.hip);
   }
   page["headline"] = headline_words();
-  return page_text(page["title"].get<std::string>(), page, arrays,
-                   {std::string(page::build_style()), std::string(page::build_main())});
-}
-
-void write_build_page(const std::string& path, const BuildPageInput& input) {
-  write_text(path, build_page_html(input));
+  return page_text(page["title"].get<std::string>(), page, arrays, page::build_style(), page::build_main());
 }
 
 }  // namespace dea

@@ -19,7 +19,4 @@ struct BuildPageInput {
 /// The page. The same input gives the same bytes; no name is taken for markup.
 std::string build_page_html(const BuildPageInput& input);
 
-/// By way of a temporary file. Throws WriteError.
-void write_build_page(const std::string& path, const BuildPageInput& input);
-
 }  // namespace dea

@@ -70,10 +70,12 @@ void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, 
   cairo_fill(pen.get());
 }
 
+/// 0 at the low end of the scale, 1 at the high one.
+double fraction(const MapFigure& figure, double value) { return (value - figure.low) / (figure.high - figure.low); }
+
 /// The step that a value lies in; beyond the scale the nearer end. The value must not be NaN.
 int band(const MapFigure& figure, double value) {
-  const double f = (value - figure.low) / (figure.high - figure.low);
-  return std::clamp(static_cast<int>(std::floor(f * kBands)), 0, kBands - 1);
+  return std::clamp(static_cast<int>(std::floor(fraction(figure, value) * kBands)), 0, kBands - 1);
 }
 
 /// Every band is drawn over those below it, so that no light shines through between them.
@@ -81,17 +83,13 @@ void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const 
                  const TriangleMask& valued) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   if (figure.smooth) {
-    double most = -1e300, least = 1e300;
-    for (int t = 0; t < s.mesh.size(); ++t) {
-      if (!valued[at(t)]) continue;
-      for (int v : s.mesh.triangles[at(t)]) {
-        most = std::max(most, panel.points[at(v)]);
-        least = std::min(least, panel.points[at(v)]);
-      }
-    }
-    const double start = std::max(panel.edge, least);
-    if (!(most >= start)) return;
-    for (int b = band(figure, start); b <= band(figure, most); ++b) {
+    ValueRange range;
+    for (int t = 0; t < s.mesh.size(); ++t)
+      if (valued[at(t)])
+        for (int v : s.mesh.triangles[at(t)]) range.add(panel.points[at(v)]);
+    const double start = std::max(panel.edge, range.least);
+    if (!(range.most >= start)) return;
+    for (int b = band(figure, start); b <= band(figure, range.most); ++b) {
       const double level = std::max(start, figure.low + (figure.high - figure.low) * b / kBands);
       const double from = b == band(figure, start) ? start : level;
       // The line between two bands can hardly be seen, the edge of contact can.
@@ -115,6 +113,13 @@ void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const 
   }
 }
 
+/// White on dark colours, black on light ones.
+void stroke_contour(Pen& pen, const MapFigure& figure, double level) {
+  const Rgb under = colour(figure.map, fraction(figure, level));
+  pen.use(white_line(under) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
+  pen.stroke(1.0);
+}
+
 void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel,
                    const TriangleMask& valued) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
@@ -122,10 +127,8 @@ void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, cons
     if (level < panel.edge) continue;
     std::vector<Polyline> lines = contour(s.mesh, s.projection, valued, panel.points, level);
     for (Polyline& line : lines) line = smoothed(line);
-    const Rgb under = colour(figure.map, (level - figure.low) / (figure.high - figure.low));
     trace(pen, place, lines);
-    pen.use(white_line(under) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
-    pen.stroke(1.0);
+    stroke_contour(pen, figure, level);
   }
 }
 
@@ -311,6 +314,12 @@ std::string fitted(const Pen& pen, const std::string& text, double room, const s
   return kept.empty() ? "\u2026" : kept;
 }
 
+double widest(const Pen& pen, const std::vector<std::string>& texts) {
+  double most = 0.0;
+  for (const std::string& text : texts) most = std::max(most, pen.width(text));
+  return most;
+}
+
 /// Words in `lines` lines of about the same length.
 std::vector<std::string> broken(const Pen& pen, const std::string& text, int lines) {
   std::vector<std::string> out(1);
@@ -335,7 +344,7 @@ std::vector<std::string> bar_title_lines(const Pen& pen, const MapFigure& figure
   std::vector<std::string> lines;
   for (int n = 1; n <= 4; ++n) {
     lines = broken(pen, bar_title(figure), n);
-    if (std::all_of(lines.begin(), lines.end(), [&](const std::string& s) { return pen.width(s) <= room; })) break;
+    if (widest(pen, lines) <= room) break;
   }
   return lines;
 }
@@ -345,12 +354,6 @@ std::vector<std::string> tick_texts(const MapFigure& figure) {
   std::vector<std::string> texts;
   for (double tick : figure.ticks) texts.push_back(tick_text(tick, step));
   return texts;
-}
-
-double widest(const Pen& pen, const std::vector<std::string>& texts) {
-  double most = 0.0;
-  for (const std::string& text : texts) most = std::max(most, pen.width(text));
-  return most;
 }
 
 /// Colour bar with its ticks to the right; arrows where values go on beyond its ends. The title has room from `top` to
@@ -363,11 +366,10 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
     pen.rectangle(x, y + b * each, kBarWidth, height - b * each);
   }
   for (double level : figure.contours) {
-    const double f = (level - figure.low) / (figure.high - figure.low);
+    const double f = fraction(figure, level);
     if (!(f > 0 && f < 1)) continue;
     pen.line({x, y + (1 - f) * height}, {x + kBarWidth, y + (1 - f) * height});
-    pen.use(white_line(colour(figure.map, f)) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
-    pen.stroke(1.0);
+    stroke_contour(pen, figure, level);
   }
   const auto arrow = [&](double base, double tip, const Rgb& c) {
     pen.triangle({x, base}, {x + kBarWidth, base}, {x + 0.5 * kBarWidth, tip});
@@ -379,8 +381,7 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
   pen.font(kText);
   const std::vector<std::string> texts = tick_texts(figure);
   for (std::size_t k = 0; k < texts.size(); ++k) {
-    const double f = (figure.ticks[k] - figure.low) / (figure.high - figure.low);
-    const double ty = y + (1 - f) * height;
+    const double ty = y + (1 - fraction(figure, figure.ticks[k])) * height;
     pen.line({x + kBarWidth, ty}, {x + kBarWidth + 4, ty});
     pen.use(paper.line);
     pen.stroke(1.0);

@@ -170,13 +170,6 @@ MapValues difference(const NodeMatch& match, const ResultSurface& surface, const
   return d;
 }
 
-std::vector<double> finite(const std::vector<double>& values) {
-  std::vector<double> out;
-  for (double x : values)
-    if (std::isfinite(x)) out.push_back(x);
-  return out;
-}
-
 bool to_be_seen(const MapSurface& s, int facet) {
   for (int t = 0; t < s.mesh.size(); ++t)
     if (s.mesh.facet[at(t)] == facet && s.projection.layer[at(t)] >= 0 && !s.projection.back[at(t)] &&
@@ -217,14 +210,14 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   const std::vector<double>& of = figure.smooth ? values.vertices : values.facets;
   const std::vector<double> areas = figure.smooth ? nodal_areas(s.surface) : s.surface.facet_areas;
   const char* where = figure.smooth ? "nodes" : "facets";
-  const std::vector<double> shown = finite(of);
+  ValueRange shown;
+  shown.add(of);
   // where two results agree exactly a difference of 0 is the answer
-  const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
+  const bool zero = shown.least == 0 && shown.most == 0;
   if (shown.empty() || (zero && !is_diverging(figure.map))) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
     return;
   }
-  const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
   double area = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < of.size(); ++i) {
     if (!std::isfinite(of[i])) continue;
@@ -232,14 +225,11 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     sum += areas[i] * of[i];
     squares += areas[i] * of[i] * of[i];
   }
-  if (is_diverging(figure.map)) {
-    const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
-    panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
-    return;
-  }
-  if (!figure.pressure) {
-    const std::string range = fmt::format("{}: {} to {}", where, number(*least), number(*most));
-    panel.numbers = {fmt::format("{}, mean {}{}", range, number(sum / area), unit), range + unit, range};
+  if (!figure.pressure || is_diverging(figure.map)) {
+    const bool both = is_diverging(figure.map);
+    const std::string range = fmt::format("{}: {} to {}", where, number(shown.least, both), number(shown.most, both)),
+                      typical = both ? "rms " + number(std::sqrt(squares / area)) : "mean " + number(sum / area);
+    panel.numbers = {fmt::format("{}, {}{}", range, typical, unit), range + unit, range};
     return;
   }
   std::vector<double> pressure = values.facets;
@@ -450,21 +440,6 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
   figure.length_unit = units.length;
 }
 
-/// What is asked for, and what of the files answers it.
-struct MapRequest {
-  const std::vector<ResultFile>& files;
-  const ResultFile* minus;
-  const MapOptions& options;
-  std::vector<Row> rows;
-  std::vector<std::string> names;                 ///< of surfaces
-  std::vector<std::vector<std::string>> without;  ///< per file, last of minus: surfaces that have no pressure in it
-  bool animated;                                  ///< a figure per row
-};
-
-bool has_none(const MapRequest& r, std::size_t file, const std::string& name) {
-  return std::find(r.without[file].begin(), r.without[file].end(), name) != r.without[file].end();
-}
-
 /// The surfaces to show.
 std::vector<std::string> choose_names(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
                                       const MapOptions& o, MapFigure& figure) {
@@ -479,8 +454,30 @@ std::vector<std::string> choose_names(const std::vector<ResultFile>& files, cons
   return {loaded.front()};
 }
 
+/// File, surface and mesh of each of the figure's surfaces.
+using SurfaceKeys = std::vector<std::pair<std::size_t, std::pair<std::string, int>>>;
+
+/// Figures in the making: what is asked for, what of the files answers it, and what is made of it so far.
+struct Work {
+  const std::vector<ResultFile>& files;
+  const ResultFile* minus;
+  const MapOptions& options;
+  bool animated;                                       ///< a figure per row
+  std::vector<Row> rows = {};                          ///< of states
+  std::vector<std::string> names = {};                 ///< of surfaces
+  std::vector<std::vector<std::string>> without = {};  ///< per file, last of minus: surfaces without pressure in it
+  MapFigure figure = {};
+  SurfaceKeys keys = {};              ///< of the figure's surfaces
+  Together together = {};             ///< of all panels
+  std::vector<char> misleading = {};  ///< per surface, see remark_hidden
+};
+
+bool has_none(const Work& r, std::size_t file, const std::string& name) {
+  return std::find(r.without[file].begin(), r.without[file].end(), name) != r.without[file].end();
+}
+
 /// A column per file, else per surface; 0: as fits.
-int choose_columns(const MapRequest& r) {
+int choose_columns(const Work& r) {
   const std::size_t rows = r.animated ? 1 : r.rows.size(), count = rows * r.names.size() * r.files.size();
   if (count > at(kMostPanels))
     throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer{}", count, kMostPanels,
@@ -499,35 +496,32 @@ struct PanelSource {
   bool solved = true;  ///< is its state, and that of what is taken away, a solution?
 };
 
-bool row_at_one_time(const MapRequest& r, const Row& row, double time) {
+bool row_at_one_time(const Work& r, const Row& row, double time) {
   for (std::size_t k = 0; k < r.files.size(); ++k)
     if (!same_time(r.files[k].xplt.states[at(row[k])].time, time)) return false;
   return true;
 }
 
-/// File, surface and mesh of each of the figure's surfaces.
-using SurfaceKeys = std::vector<std::pair<std::size_t, std::pair<std::string, int>>>;
-
 /// The figure's surface for this source; added if it is not among them yet.
-int figure_surface(const MapRequest& r, const PanelSource& from, SurfaceKeys& keys, MapFigure& figure) {
+int figure_surface(Work& r, const PanelSource& from) {
   const ResultFile& file = r.files[from.file];
   const SurfaceKeys::value_type key = {from.file, {from.name, file.xplt.states[at(from.state)].mesh}};
-  const auto known = std::find(keys.begin(), keys.end(), key);
-  const int place = static_cast<int>(known - keys.begin());
-  if (known != keys.end()) return place;
-  keys.push_back(key);
+  const auto known = std::find(r.keys.begin(), r.keys.end(), key);
+  const int place = static_cast<int>(known - r.keys.begin());
+  if (known != r.keys.end()) return place;
+  r.keys.push_back(key);
   MapSurface s;
   s.name = from.name;
   s.surface = result_surface(file, from.state, from.surface);
   if (s.surface.mesh.size() == 0) throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, from.name));
   s.mesh = make_map_mesh(s.surface);
-  figure.surfaces.push_back(std::move(s));
+  r.figure.surfaces.push_back(std::move(s));
   return place;
 }
 
 /// `values` minus those of the result to take away. Sets from.same_times.
-MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface& surface, const MapValues& values,
-                    MapFigure& figure) {
+MapValues take_away(Work& r, PanelSource& from, const ResultSurface& surface, const MapValues& values) {
+  MapFigure& figure = r.figure;
   const ResultFile &file = r.files[from.file], &minus = *r.minus;
   const int state =
       r.options.states == "last" ? static_cast<int>(minus.xplt.states.size()) - 1 : find_state(minus, from.time);
@@ -552,7 +546,7 @@ MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface&
                     field_values(minus, state, reference, other, r.options.field, false));
 }
 
-void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
+void set_title(const Work& r, const PanelSource& from, MapPanel& panel) {
   const auto add = [&](const std::string& part) {
     if (!panel.title.empty()) panel.title += ", ";
     panel.title += part;
@@ -571,27 +565,17 @@ void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
 }
 
 /// What stands in place of a panel's numbers; empty: numbers.
-std::string nothing_there(const MapRequest& r, const PanelSource& from) {
+std::string nothing_there(const Work& r, const PanelSource& from) {
   const bool none = has_none(r, from.file, from.name);
   if (r.minus == nullptr) return none ? "no pressure in this file" : "";
   if (!none && !has_none(r, r.files.size(), from.name)) return "";
   return "no pressure in " + (none ? r.files[from.file] : *r.minus).label;
 }
 
-/// A figure in the making.
-struct Work {
-  MapRequest request;
-  MapFigure figure;
-  SurfaceKeys keys;                   ///< of the figure's surfaces
-  Together together;                  ///< of all panels
-  std::vector<char> misleading = {};  ///< per surface, see remark_hidden
-};
-
 /// Adds the panels of a state, by surface and file, and their values; panels of which there is nothing to describe have
 /// their numbers already.
-void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
-  const MapRequest& r = work.request;
-  MapFigure& figure = work.figure;
+void add_row(Work& r, const Row& row, std::vector<MapValues>& values) {
+  MapFigure& figure = r.figure;
   for (const std::string& name : r.names) {
     for (std::size_t i = 0; i < r.files.size(); ++i) {
       const ResultFile& file = r.files[i];
@@ -600,11 +584,11 @@ void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
       from.solved = is_solution(file, row[i]);
       if (!from.solved) figure.remarks.push_back(no_solution_warning(file, row[i]));
       MapPanel panel;
-      panel.surface = figure_surface(r, from, work.keys, figure);
+      panel.surface = figure_surface(r, from);
       const MapSurface& s = figure.surfaces[at(panel.surface)];
       MapValues v = field_values(file, row[i], s.surface, from.surface, r.options.field, r.minus == nullptr);
       if (r.minus != nullptr)
-        v = take_away(r, from, s.surface, v, figure);
+        v = take_away(r, from, s.surface, v);
       else
         std::replace(v.facets.begin(), v.facets.end(), 0.0, kNaN);
       panel.solved = from.solved;
@@ -621,7 +605,7 @@ void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
   }
 }
 
-MapView choose_view(const MapRequest& r, const MapSurface& s, const std::vector<double>& load) {
+MapView choose_view(const Work& r, const MapSurface& s, const std::vector<double>& load) {
   const MapOptions& o = r.options;
   MapView view;
   if (o.unrolled) {
@@ -638,12 +622,13 @@ MapView choose_view(const MapRequest& r, const MapSurface& s, const std::vector<
 }
 
 /// One view for a surface in all files and states, found in the first.
-void project_surfaces(const MapRequest& r, const Together& panels, MapFigure& figure) {
+void project_surfaces(Work& r) {
+  MapFigure& figure = r.figure;
   for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
     MapSurface& s = figure.surfaces[k];
     const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
                                    [&](const MapSurface& other) { return other.name == s.name; });
-    const std::vector<double>& load = panels.surfaces[k].load;
+    const std::vector<double>& load = r.together.surfaces[k].load;
     std::vector<double> weights(s.mesh.triangles.size(), 0.0);
     for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
     s.view = &*same != &s ? same->view : choose_view(r, s, load);
@@ -665,7 +650,8 @@ ColourMap chosen_map(const MapOptions& o, bool difference) {
 }
 
 Work begin(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o, bool animated) {
-  Work work = {{files, minus, o, choose_states(files, o), {}, {}, animated}, {}, {}, {}};
+  Work work = {files, minus, o, animated};
+  work.rows = choose_states(files, o);
   MapFigure& figure = work.figure;
   figure.smooth = o.smooth;
   figure.pressure = is_pressure(o.field);
@@ -676,18 +662,17 @@ Work begin(const std::vector<ResultFile>& files, const ResultFile* minus, const 
   for (const ResultFile* file : all) require_field(*file, o.field);
   choose_units(all, o, figure);
   figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
-  work.request.names = choose_names(files, work.request.rows, o, figure);
-  work.request.without = remark_files(all, work.request.names, o, figure);
-  figure.columns = choose_columns(work.request);
+  work.names = choose_names(files, work.rows, o, figure);
+  work.without = remark_files(all, work.names, o, figure);
+  figure.columns = choose_columns(work);
   return work;
 }
 
 /// View, scale and what the legend explains, by what all panels show.
 void settle(Work& work) {
-  const MapRequest& r = work.request;
   MapFigure& figure = work.figure;
-  project_surfaces(r, work.together, figure);
-  choose_scale(r.files, r.minus, r.names, r.options, work.together, figure);
+  project_surfaces(work);
+  choose_scale(work.files, work.minus, work.names, work.options, work.together, figure);
   work.misleading = remark_hidden(work.together, figure);
   std::sort(figure.remarks.begin(), figure.remarks.end());
   figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
@@ -715,7 +700,7 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
-    panel.edge = !is_diverging(figure.map) && zero_without_contact(work.request.options.field)
+    panel.edge = !is_diverging(figure.map) && zero_without_contact(work.options.field)
                      ? edge_level(s.mesh, panel.facets, panel.points)
                      : -kInfinity;
     if (panel.numbers.empty()) describe(figure, values[k], panel);
@@ -734,7 +719,7 @@ bool all_solved(const MapFigure& figure) {
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
   Work work = begin(files, minus, o, false);
   std::vector<MapValues> values;
-  for (const Row& row : work.request.rows) add_row(work, row, values);
+  for (const Row& row : work.rows) add_row(work, row, values);
   add_panels(work.figure, o, minus, work.together);
   settle(work);
   finish_panels(work, values);
@@ -746,7 +731,7 @@ std::vector<std::string> each_map_figure(const std::vector<ResultFile>& files, c
                                          const std::function<void(MapFigure&, int frame, int frames)>& show) {
   Work work = begin(files, minus, o, true);
   MapFigure& figure = work.figure;
-  const std::vector<Row>& rows = work.request.rows;
+  const std::vector<Row>& rows = work.rows;
   std::vector<MapValues> values;
   const auto only = [&](const Row& row) {
     figure.panels.clear();

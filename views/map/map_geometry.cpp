@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -18,29 +17,23 @@ namespace {
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 void find_neighbours(MapMesh& mesh) {
-  struct Edge {
-    int a, b, triangle, k;
-  };
-  std::vector<Edge> edges;
+  std::vector<std::array<int, 4>> edges;  // its ends, the triangle, which of its edges
   for (int t = 0; t < mesh.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(mesh.triangles[at(t)][at(k)], mesh.triangles[at(t)][at((k + 1) % 3)]);
       edges.push_back({a, b, t, k});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
-  });
+  std::sort(edges.begin(), edges.end());
   mesh.neighbours.assign(mesh.triangles.size(), {-1, -1, -1});
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i;
-    while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
+    while (end < edges.size() && edges[end][0] == edges[i][0] && edges[end][1] == edges[i][1]) ++end;
     if (end - i == 2) {  // three facets at an edge have no neighbours there
-      const Edge &x = edges[i], &y = edges[i + 1];
-      const int from_x = mesh.triangles[at(x.triangle)][at(x.k)], from_y = mesh.triangles[at(y.triangle)][at(y.k)];
-      if (from_x != from_y) {  // turned alike
-        mesh.neighbours[at(x.triangle)][at(x.k)] = y.triangle;
-        mesh.neighbours[at(y.triangle)][at(y.k)] = x.triangle;
+      const int x = edges[i][2], kx = edges[i][3], y = edges[i + 1][2], ky = edges[i + 1][3];
+      if (mesh.triangles[at(x)][at(kx)] != mesh.triangles[at(y)][at(ky)]) {  // turned alike
+        mesh.neighbours[at(x)][at(kx)] = y;
+        mesh.neighbours[at(y)][at(ky)] = x;
       }
     }
     i = end;
@@ -212,15 +205,11 @@ void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>
   for (int l : p.layer) p.layers = std::max(p.layers, l + 1);
 }
 
-/// A point of a map: a vertex (b = -1), or where a contour crosses the edge a < b.
-struct Place {
-  int a = 0, b = -1;
-  bool operator==(const Place&) const = default;
-  bool operator<(const Place& o) const { return std::tie(a, b) < std::tie(o.a, o.b); }
-};
+/// A point of a map: a vertex and -1, or the ends a < b of the edge that a contour crosses there.
+using Place = std::pair<int, int>;
 struct Piece {
   Place from, to;
-  Vector2d x = Vector2d::Zero(), y = Vector2d::Zero();
+  Vector2d x, y;
 };
 
 /// Pieces joined end to end.
@@ -232,27 +221,26 @@ std::vector<Polyline> chain(std::vector<Piece> pieces) {
   std::sort(ends.begin(), ends.end());
   std::vector<char> used(pieces.size(), 0);
   const auto next = [&](const Place& from) {
-    auto i = std::lower_bound(pieces.begin(), pieces.end(), from,
-                              [](const Piece& p, const Place& place) { return p.from < place; }) -
-             pieces.begin();
-    for (; i < static_cast<std::ptrdiff_t>(pieces.size()) && pieces[static_cast<std::size_t>(i)].from == from; ++i)
-      if (!used[static_cast<std::size_t>(i)]) return i;
-    return std::ptrdiff_t{-1};
+    const auto first = std::lower_bound(pieces.begin(), pieces.end(), from,
+                                        [](const Piece& p, const Place& place) { return p.from < place; });
+    for (auto i = static_cast<std::size_t>(first - pieces.begin()); i < pieces.size() && pieces[i].from == from; ++i)
+      if (!used[i]) return i;
+    return pieces.size();
   };
   std::vector<Polyline> lines;
   const auto walk = [&](std::size_t start) {
     Polyline line;
     const Place first = pieces[start].from;
-    for (auto i = static_cast<std::ptrdiff_t>(start); i >= 0;) {
-      const Piece& piece = pieces[static_cast<std::size_t>(i)];
-      used[static_cast<std::size_t>(i)] = 1;
+    for (std::size_t i = start; i < pieces.size();) {
+      const Piece& piece = pieces[i];
+      used[i] = 1;
       line.points.push_back(piece.x);
       if (piece.to == first) {
         line.closed = true;
         break;
       }
       i = next(piece.to);
-      if (i < 0) line.points.push_back(piece.y);
+      if (i == pieces.size()) line.points.push_back(piece.y);
     }
     lines.push_back(std::move(line));
   };
@@ -525,24 +513,18 @@ double area_above(const MapMesh& mesh, const std::vector<double>& values, double
 
 double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points) {
   double wanted = 0.0;
-  bool everywhere = true;
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (facets[at(mesh.facet[at(t)])] > 0)
-      wanted += mesh.areas[at(t)];
-    else
-      everywhere = false;
-  }
-  return level_enclosing(mesh, everywhere ? kInfinity : wanted, points);
+  for (int t = 0; t < mesh.size(); ++t)
+    if (facets[at(mesh.facet[at(t)])] > 0) wanted += mesh.areas[at(t)];
+  return level_enclosing(mesh, wanted, points);
 }
 
 double level_enclosing(const MapMesh& mesh, double wanted, const std::vector<double>& points) {
   constexpr double kLeast = 1e-12;
   double low = 0.0, high = 0.0, whole_area = 0.0;
   for (double area : mesh.areas) whole_area += area;
-  const bool everywhere = wanted > whole_area * (1 - 1e-9);
   for (double x : points) high = std::max(high, x);
-  if (!(high > 0)) return std::numeric_limits<double>::infinity();
-  if (everywhere) return kLeast;
+  if (!(high > 0)) return kInfinity;
+  if (wanted > whole_area * (1 - 1e-9)) return kLeast;
   // Only triangles with values to both sides of the level are looked at again.
   struct Cut {
     int triangle;

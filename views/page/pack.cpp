@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "io/files/encoded_text.h"
+#include "views/map/map_scale.h"
 
 namespace dea {
 
@@ -48,28 +48,20 @@ PackedArray pack_floats(const std::vector<float>& values) {
 
 Codes quantise(const std::vector<double>& values) {
   Codes out;
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (double x : values) {
-    if (std::isnan(x)) continue;
-    least = std::min(least, x);
-    most = std::max(most, x);
-  }
-  if (least > most) least = most = 0.0;
-  out.least = least;
-  out.most = most;
+  ValueRange range;
+  range.add(values);
+  if (range.empty()) range.add(0.0);
+  out.least = range.least;
+  out.most = range.most;
   out.codes.reserve(values.size());
   for (double x : values) {
-    if (std::isnan(x)) {
-      out.codes.push_back(kUndefined);
-      continue;
-    }
-    if (!(x > least)) {
-      out.codes.push_back(0);
-      continue;
-    }
     // halves: the difference of two large numbers must not overflow
-    const double fraction = (0.5 * x - 0.5 * least) / (0.5 * most - 0.5 * least);
-    out.codes.push_back(static_cast<std::uint16_t>(std::clamp(std::round(kSteps * fraction), 1.0, kSteps)));
+    const double fraction = (0.5 * x - 0.5 * out.least) / (0.5 * out.most - 0.5 * out.least);
+    if (std::isnan(x))
+      out.codes.push_back(kUndefined);
+    else
+      out.codes.push_back(
+          x > out.least ? static_cast<std::uint16_t>(std::clamp(std::round(kSteps * fraction), 1.0, kSteps)) : 0);
   }
   return out;
 }

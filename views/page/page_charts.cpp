@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "src/base/numbers.h"
 #include "views/page/page_data.h"
@@ -14,33 +13,42 @@ namespace {
 
 constexpr const char* kHeadlineCaption = "Of nodes above the threshold, as in the table; of the surface with springs.";
 
-PageChart empty_chart(const Analysis& analysis, const std::string& title, const std::string& caption,
-                      const std::string& quantity, const std::string& dimension) {
-  PageChart chart{title, caption, quantity, dimension, false, {}, {}, {}};
-  for (const StateResult& s : analysis.states) chart.times.push_back(s.when.time);
-  return chart;
-}
+struct Curve {
+  std::string name;
+  std::vector<double> values;  ///< per state; NaN: a gap
+};
 
-/// A curve: a value per state.
 template <class Get>
-void add_curve(PageChart& chart, const Analysis& analysis, const std::string& name, Get get) {
-  chart.names.push_back(name);
-  chart.values.emplace_back();
-  for (const StateResult& s : analysis.states) chart.values.back().push_back(get(s));
+Curve curve(const Analysis& analysis, const std::string& name, Get get) {
+  Curve c{name, {}};
+  for (const StateResult& s : analysis.states) c.values.push_back(get(s));
+  return c;
 }
 
-bool any_value(const PageChart& chart, bool (*counts)(double)) {
-  return std::any_of(chart.values.begin(), chart.values.end(),
-                     [&](const std::vector<double>& curve) { return std::any_of(curve.begin(), curve.end(), counts); });
+bool any_value(const std::vector<Curve>& curves, bool (*counts)(double)) {
+  return std::any_of(curves.begin(), curves.end(),
+                     [&](const Curve& c) { return std::any_of(c.values.begin(), c.values.end(), counts); });
 }
 
-void add_contact_charts(const Analysis& analysis, std::vector<PageChart>& charts) {
+Json chart(const Analysis& analysis, const char* title, const char* caption, const char* quantity,
+           const char* dimension, const std::vector<Curve>& curves, bool logarithmic = false) {
+  return {{"title", title},
+          {"caption", caption},
+          {"quantity", quantity},
+          {"dimension", dimension},
+          {"logarithmic", logarithmic},
+          {"times", list_json(analysis.states, [](const StateResult& s) { return time_json(s.when.time); })},
+          {"names", list_json(curves, [](const Curve& c) { return c.name; })},
+          {"values", list_json(curves, [](const Curve& c) { return list_json(c.values, short_number); })}};
+}
+
+void add_contact_charts(const Analysis& analysis, Json& charts) {
   const auto add = [&](const char* title, const char* caption, const char* quantity, const char* dimension, auto get) {
-    PageChart chart = empty_chart(analysis, title, caption, quantity, dimension);
+    std::vector<Curve> curves;
     for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c)
-      add_curve(chart, analysis, analysis.joint.contacts[c].name,
-                [&](const StateResult& s) { return get(s.statistics[c]); });
-    charts.push_back(std::move(chart));
+      curves.push_back(
+          curve(analysis, analysis.joint.contacts[c].name, [&](const StateResult& s) { return get(s.statistics[c]); }));
+    charts.push_back(chart(analysis, title, caption, quantity, dimension, curves));
   };
   using S = const ContactStatistics&;
   add("Contact force", "Resultant of each contact.", "force", "force", [](S s) { return s.force.norm(); });
@@ -51,14 +59,16 @@ void add_contact_charts(const Analysis& analysis, std::vector<PageChart>& charts
 }
 
 /// Only where a body moves.
-void add_body_charts(const Analysis& analysis, std::vector<PageChart>& charts) {
+void add_body_charts(const Analysis& analysis, Json& charts) {
   const Joint& joint = analysis.joint;
   const auto add = [&](const char* title, const char* caption, const char* quantity, const char* dimension, auto get) {
-    PageChart chart = empty_chart(analysis, title, caption, quantity, dimension);
+    std::vector<Curve> curves;
     for (int b : reported_bodies(joint))
-      add_curve(chart, analysis, joint.bodies[at(b)].name,
-                [&](const StateResult& s) { return get(s.equilibrium.poses[at(b)], joint.bodies[at(b)]); });
-    if (any_value(chart, [](double x) { return x != 0; })) charts.push_back(std::move(chart));
+      curves.push_back(curve(analysis, joint.bodies[at(b)].name, [&](const StateResult& s) {
+        return get(s.equilibrium.poses[at(b)], joint.bodies[at(b)]);
+      }));
+    if (any_value(curves, [](double x) { return x != 0; }))
+      charts.push_back(chart(analysis, title, caption, quantity, dimension, curves));
   };
   add("Motion of the bodies", "Distance of the centre of mass from its reference position.", "translation", "length",
       [](const Pose& pose, const Body& body) { return (pose.center - body.center_of_mass).norm(); });
@@ -66,39 +76,38 @@ void add_body_charts(const Analysis& analysis, std::vector<PageChart>& charts) {
       [](const Pose& pose, const Body&) { return kDegreesPerRadian * Eigen::AngleAxisd(pose.rotation).angle(); });
 }
 
-void add_spring_chart(const Analysis& analysis, std::vector<PageChart>& charts) {
+void add_spring_chart(const Analysis& analysis, Json& charts) {
   const Joint& joint = analysis.joint;
   const std::vector<std::string> names = spring_names(joint);
   if (names.empty()) return;
-  PageChart chart = empty_chart(analysis, "Ligaments and cables", "Tension.", "tension", "force");
-  const auto value = [](const std::vector<double>& forces, std::size_t i) {
-    return i < forces.size() ? forces[i] : kNaN;
+  std::vector<Curve> curves;
+  const auto add = [&](std::size_t i, std::size_t name, std::vector<double> Equilibrium::*forces) {
+    curves.push_back(curve(analysis, names[name], [&](const StateResult& s) {
+      const std::vector<double>& of = s.equilibrium.*forces;
+      return i < of.size() ? of[i] : kNaN;
+    }));
   };
-  for (std::size_t l = 0; l < joint.ligaments.size(); ++l)
-    add_curve(chart, analysis, names[l], [&](const StateResult& s) { return value(s.equilibrium.ligament_force, l); });
-  for (std::size_t c = 0; c < joint.cables.size(); ++c)
-    add_curve(chart, analysis, names[joint.ligaments.size() + c],
-              [&](const StateResult& s) { return value(s.equilibrium.cable_force, c); });
-  charts.push_back(std::move(chart));
+  for (std::size_t l = 0; l < joint.ligaments.size(); ++l) add(l, l, &Equilibrium::ligament_force);
+  for (std::size_t c = 0; c < joint.cables.size(); ++c) add(c, joint.ligaments.size() + c, &Equilibrium::cable_force);
+  charts.push_back(chart(analysis, "Ligaments and cables", "Tension.", "tension", "force", curves));
 }
 
-void add_balance_chart(const Analysis& analysis, std::vector<PageChart>& charts) {
+void add_balance_chart(const Analysis& analysis, Json& charts) {
   constexpr const char* kQuantity = "unbalanced force / load";
-  PageChart chart = empty_chart(
-      analysis, "Balance", "Force that is left unbalanced over the load; nothing where all motions are prescribed.",
-      kQuantity, "");
-  chart.logarithmic = true;
-  add_curve(chart, analysis, kQuantity, [](const StateResult& s) {
+  const Curve balance = curve(analysis, kQuantity, [](const StateResult& s) {
     const double r = s.equilibrium.residual_force / s.equilibrium.load;
     return std::isfinite(r) && r > 0 ? r : kNaN;
   });
-  if (any_value(chart, [](double x) { return !std::isnan(x); })) charts.push_back(std::move(chart));
+  if (any_value({balance}, [](double x) { return !std::isnan(x); }))
+    charts.push_back(chart(analysis, "Balance",
+                           "Force that is left unbalanced over the load; nothing where all motions are prescribed.",
+                           kQuantity, "", {balance}, true));
 }
 
 }  // namespace
 
-std::vector<PageChart> run_charts(const Analysis& analysis) {
-  std::vector<PageChart> charts;
+Json run_charts(const Analysis& analysis) {
+  Json charts = Json::array();
   add_contact_charts(analysis, charts);
   add_body_charts(analysis, charts);
   add_spring_chart(analysis, charts);

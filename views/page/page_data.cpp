@@ -26,15 +26,6 @@ constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 i
 
 std::string file_name(const std::string& path) { return fs::path(path).filename().string(); }
 
-/// The same facets as in the state that the surface's mesh is of?
-bool same_surface(const ResultFile& file, int state, const std::string& name, int compared, int compared_surface) {
-  const int surface = find_surface(file, state, name);
-  if (surface < 0) return false;
-  if (file.xplt.states[at(state)].mesh == file.xplt.states[at(compared)].mesh) return surface == compared_surface;
-  return mesh_of(file, state).surfaces[at(surface)] == mesh_of(file, compared).surfaces[at(compared_surface)] &&
-         mesh_of(file, state).coordinates == mesh_of(file, compared).coordinates;
-}
-
 /// Equal, and undefined at the same places.
 bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
@@ -76,10 +67,10 @@ bool nothing_but_zeros(const PageField& field) {
   return true;
 }
 
-/// The area-weighted least-squares line b -> a over the nodes that pattern_difference takes.
-PagePattern pattern(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas) {
-  PagePattern out;
-  out.difference = pattern_difference(a, b, areas, {0.0});
+/// The pattern of nodal pressures against the reference's, with the area-weighted least-squares line b -> a over the
+/// nodes that pattern_difference takes; null: there is none.
+Json pattern_json(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas) {
+  const PatternDifference d = pattern_difference(a, b, areas, {0.0});
   double total = 0.0, mean_a = 0.0, mean_b = 0.0, ab = 0.0, bb = 0.0;
   const auto counts = [&](std::size_t i) { return !std::isnan(a[i]) && areas[i] > 0 && (a[i] > 0 || b[i] > 0); };
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -96,9 +87,29 @@ PagePattern pattern(const std::vector<double>& a, const std::vector<double>& b, 
     bb += areas[i] * (b[i] - mean_b) * (b[i] - mean_b);
   }
   // as for the correlation: what is left of a constant is its rounding
-  out.slope = bb > 1e-24 * total * mean_b * mean_b && bb > 0 ? ab / bb : kNaN;
-  out.intercept = mean_a - out.slope * mean_b;
-  return out;
+  const double slope = bb > 1e-24 * total * mean_b * mean_b && bb > 0 ? ab / bb : kNaN;
+  return {{"r", short_number(d.correlation)},
+          {"rms", short_number(d.rms)},
+          {"mean", short_number(d.mean)},
+          {"largest", short_number(d.largest)},
+          {"dice", d.dice.empty() ? Json(nullptr) : short_number(d.dice.front())},
+          {"slope", short_number(slope)},
+          {"intercept", short_number(mean_a - slope * mean_b)}};
+}
+
+Json distribution_json(const Distribution& d) {
+  return {{"area", short_number(d.area)},     {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
+          {"mean", short_number(d.mean)},     {"p5", short_number(d.p5)},     {"p25", short_number(d.p25)},
+          {"median", short_number(d.median)}, {"p75", short_number(d.p75)},   {"p95", short_number(d.p95)}};
+}
+
+Json measures_json(const ResultSurface& surface, const SurfaceValues& values, const FacetMask& mask) {
+  const SurfaceMeasures m = measure(surface, values, {0.0}, mask);
+  return {{"nodes", distribution_json(m.nodes.front())},
+          {"facets", distribution_json(m.facets.front())},
+          {"force", short_number(m.resultant.norm())},
+          {"center", json_vector(m.center_of_pressure)},
+          {"headline", headline_json(headline(surface, values.pressure, mask))}};
 }
 
 PageCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
@@ -112,20 +123,18 @@ PageCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
   return carry;
 }
 
-/// What to look at first: the whole surface, as dea plot shows the first result's.
-void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
-  std::vector<double> load(at(first.facets()), 0.0);
-  if (s.pressure.front()) {
-    const PageField& field = *s.pressure.front();
-    const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
-    for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
-  }
-  s.view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
+/// Of a result in one of its states; empty: none.
+std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::size_t state) {
+  const std::optional<PageField>& field = s.pressure[result];
+  return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
 }
 
-void find_unsolved(const std::vector<ResultFile>& files, PageFrame& frame) {
-  for (std::size_t i = 0; i < files.size(); ++i)
-    if (frame.states[i] >= 0 && !is_solution(files[i], frame.states[i])) frame.unsolved.push_back(static_cast<int>(i));
+/// What to look at first: the whole surface, as dea plot shows the first result's.
+void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
+  std::vector<double> load = pressure_in(s, 0, at(state));
+  load.resize(at(first.facets()), 0.0);
+  for (double& p : load) p = std::max(p, 0.0);
+  s.view = view_from(default_direction(first, load), options.layout.any() ? options.up : Vector3d(0, 0, 0));
 }
 
 /// States of the results that show the same time, and the compared ones.
@@ -148,15 +157,13 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
   for (const PageFrame& f : all)
     if (std::find(f.states.begin(), f.states.end(), -1) == f.states.end()) common.push_back(f);
   data.frames = common.size() >= 2 ? common : all;
-  for (PageFrame& f : data.frames) find_unsolved(files, f);
-  for (std::size_t f = 0; f < data.frames.size(); ++f) {
-    if (data.frames[f].states != compared) continue;
-    data.frame = static_cast<int>(f);
-    return;
-  }
-  data.frames.push_back({kNaN, compared});
-  find_unsolved(files, data.frames.back());
-  data.frame = static_cast<int>(data.frames.size()) - 1;
+  auto shown =
+      std::find_if(data.frames.begin(), data.frames.end(), [&](const PageFrame& f) { return f.states == compared; });
+  if (shown == data.frames.end()) shown = data.frames.insert(shown, PageFrame{kNaN, compared});
+  data.frame = static_cast<int>(shown - data.frames.begin());
+  for (PageFrame& f : data.frames)
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (f.states[i] >= 0 && !is_solution(files[i], f.states[i])) f.unsolved.push_back(static_cast<int>(i));
 }
 
 /// What maps hold, at nodes and facets.
@@ -308,11 +315,20 @@ void add_scales(const Quantity& q, PageSurface& s) {
   }
 }
 
-/// Per state of a file the surface of its mesh that is the compared one; -1: none.
-std::vector<int> surfaces_in_states(const ResultFile& file, int compared, int surface, const std::string& name) {
+/// Per state of a file the surface of its mesh that has the same facets as the compared one; -1: none.
+std::vector<int> surfaces_in_states(const ResultFile& file, int compared, int compared_surface,
+                                    const std::string& name) {
   std::vector<int> surfaces;
-  for (int k = 0; k < static_cast<int>(file.xplt.states.size()); ++k)
-    surfaces.push_back(same_surface(file, k, name, compared, surface) ? find_surface(file, k, name) : -1);
+  const XpltMesh& mesh = mesh_of(file, compared);
+  for (int k = 0; k < static_cast<int>(file.xplt.states.size()); ++k) {
+    const int surface = find_surface(file, k, name);
+    const XpltMesh& other = mesh_of(file, k);
+    const bool same =
+        surface >= 0 && (&other == &mesh ? surface == compared_surface
+                                         : other.surfaces[at(surface)] == mesh.surfaces[at(compared_surface)] &&
+                                               other.coordinates == mesh.coordinates);
+    surfaces.push_back(same ? surface : -1);
+  }
   return surfaces;
 }
 
@@ -350,26 +366,18 @@ void add_edges(const ResultSurface& own, PageField& field) {
   });
 }
 
-/// Of a result in one of its states; empty: none.
-std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::size_t state) {
-  const std::optional<PageField>& field = s.pressure[result];
-  return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
-}
-
 /// The numbers of every state.
 void add_measures(const std::vector<ResultFile>& files, const std::vector<ResultSurface>& own,
                   const std::vector<Region>& regions, PageSurface& s) {
   s.measures.resize(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
-    s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(regions.size()));
+    s.measures[i].resize(files[i].xplt.states.size(), std::vector<Json>(regions.size()));
     parallel_for(s.measures[i].size(), [&](std::size_t k) {
       SurfaceValues v;
       v.pressure = pressure_in(s, i, k);
       if (v.pressure.empty()) return;
-      for (std::size_t r = 0; r < regions.size(); ++r) {
-        const FacetMask& mask = regions[r].masks[i];
-        s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, mask), headline(own[i], v.pressure, mask)};
-      }
+      for (std::size_t r = 0; r < regions.size(); ++r)
+        s.measures[i][k][r] = measures_json(own[i], v, regions[r].masks[i]);
     });
   }
 }
@@ -379,8 +387,7 @@ void add_patterns(const std::vector<PageFrame>& frames, const std::vector<Result
                   const std::vector<NodeMatch>& matches, const std::vector<Region>& regions,
                   const ComparedSurface* of_surface, double bin, PageSurface& s) {
   const std::size_t n = own.size();
-  s.patterns.resize(frames.size(), std::vector<std::vector<std::optional<PagePattern>>>(
-                                       regions.size(), std::vector<std::optional<PagePattern>>(n)));
+  s.patterns.resize(frames.size(), std::vector<std::vector<Json>>(regions.size(), std::vector<Json>(n)));
   const bool profile = of_surface != nullptr && !of_surface->profiles.empty();
   if (profile) s.profiles.resize(frames.size(), std::vector<std::vector<double>>(n));
   std::vector<std::vector<double>> areas;
@@ -398,7 +405,8 @@ void add_patterns(const std::vector<PageFrame>& frames, const std::vector<Result
           s.profiles[f][i].push_back(b.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
       const std::vector<double> carried = carry_values(matches[i], own[i], nodal[i]);
-      for (std::size_t r = 0; r < regions.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
+      for (std::size_t r = 0; r < regions.size(); ++r)
+        s.patterns[f][r][i] = pattern_json(carried, nodal[n - 1], areas[r]);
     }
   });
   if (!profile) return;
@@ -445,21 +453,19 @@ PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector
   return s;
 }
 
-void add_results(const std::vector<ResultFile>& files, PageData& data) {
-  for (const ResultFile& file : files) {
-    PageResult r;
-    r.label = file.label;
-    r.file = file_name(file.path);
-    r.software = file.xplt.software;
-    for (const XpltState& state : file.xplt.states) r.times.push_back(state.time);
-    data.results.push_back(std::move(r));
-  }
+Json results_json(const std::vector<ResultFile>& files) {
+  return list_json(files, [](const ResultFile& file) -> Json {
+    return {{"label", file.label},
+            {"file", file_name(file.path)},
+            {"software", file.xplt.software},
+            {"times", list_json(file.xplt.states, [](const XpltState& s) { return time_json(s.time); })}};
+  });
 }
 
 /// Cells may name files.
 void drop_folders(PageData& data, const std::vector<std::string>& paths) {
   for (std::string& line : data.warnings) line = without_folders(line, paths);
-  for (PageText& text : data.texts) text.text = without_folders(text.text, paths);
+  data.recognised = without_folders(data.recognised, paths);
   for (TitledTable& t : data.tables) t.title = without_folders(t.title, paths);
 }
 
@@ -521,7 +527,7 @@ PageData compare_page(const std::vector<ResultFile>& files, const CompareOptions
   data.title += " against " + files.back().label;
   data.command = command_text(words, comparison.paths);
   data.units = unit_names(comparison.units);
-  add_results(files, data);
+  data.results = results_json(files);
   make_frames(files, comparison.states, data);
   data.warnings = comparison.warnings;
   for (const ComparedSurface& surface : comparison.surfaces) {
@@ -549,7 +555,7 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
   data.command = command_text(words, paths);
   data.units = unit_names(file.xplt.units);
   const std::vector<ResultFile> files = {file};
-  add_results(files, data);
+  data.results = results_json(files);
   data.warnings = lines(analysis.findings, command_line_wording());
   if (!file.xplt.states.empty()) {
     const int last = static_cast<int>(file.xplt.states.size()) - 1;
@@ -566,7 +572,7 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
   }
   data.charts = run_charts(analysis);
   data.tables = run_tables(analysis, false, data.units);
-  if (!recognised.empty()) data.texts.push_back({"What was recognised", recognised});
+  data.recognised = recognised;
   std::vector<std::string> all = paths;
   all.insert(all.end(), model.files.begin(), model.files.end());
   drop_folders(data, all);

@@ -19,30 +19,12 @@
 
 namespace dea {
 
-struct PageResult {
-  std::string label, file, software;  ///< file: without its folder
-  std::vector<double> times;
-};
-
 /// One value per facet in each state of a result; a state's list is empty where it has none. `fixed`: one list for all.
 struct PageField {
   bool fixed = false;
   std::vector<std::vector<double>> states;
   std::vector<double>
       edges;  ///< per entry of `states`: edge_level of its nodal averages; infinite: none; pressure only
-};
-
-/// What one result says of a surface in one state.
-struct PageMeasures {
-  bool known = false;      ///< false: the state has no pressure on it, or another mesh
-  SurfaceMeasures values;  ///< thresholds: 0 only
-  Headline headline;
-};
-
-/// The pattern of one result against the reference's in one frame.
-struct PagePattern {
-  PatternDifference difference;
-  double slope = 0.0, intercept = 0.0;  ///< of the area-weighted least-squares line, over the same nodes; NaN: none
 };
 
 /// Where a result's nodal values are taken for the reference's nodes: three of its vertices and their weights each.
@@ -72,12 +54,12 @@ struct PageSurface {
   std::vector<std::optional<PageCarry>> carry;      ///< per result; none: same mesh
   std::vector<std::optional<PageField>> pressure, thickness, space, gap;  ///< one per result
   std::vector<PageQuantity> scales, differences;
-  std::vector<std::string> regions;                                            ///< "" first: the whole surface
-  std::vector<std::vector<std::vector<PageMeasures>>> measures;                ///< result, state, region
-  std::vector<std::vector<std::vector<std::optional<PagePattern>>>> patterns;  ///< frame, region, result
-  std::vector<double> bins;                                                    ///< of the profile: edges [degrees]
-  std::vector<std::vector<std::vector<double>>> profiles;                      ///< frame, result, bin
-  MapView view;                                                                ///< how to look at it first
+  std::vector<std::string> regions;                      ///< "" first: the whole surface
+  std::vector<std::vector<std::vector<Json>>> measures;  ///< result, state, region; null: no pressure, or another mesh
+  std::vector<std::vector<std::vector<Json>>> patterns;  ///< against the last result; frame, region, result; null: none
+  std::vector<double> bins;                              ///< of the profile: edges [degrees]
+  std::vector<std::vector<std::vector<double>>> profiles;  ///< frame, result, bin
+  MapView view;                                            ///< how to look at it first
 };
 
 /// States that are shown together.
@@ -87,40 +69,27 @@ struct PageFrame {
   std::vector<int> unsolved = {};  ///< results whose state here is no solution
 };
 
-/// A curve over time of `dea run`.
-struct PageChart {
-  std::string title, caption;
-  std::string quantity;   ///< of the axis
-  std::string dimension;  ///< "pressure", "force", "length", "area", "degrees", "": pure number
-  bool logarithmic = false;
-  std::vector<double> times;
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> values;  ///< per name; NaN: a gap
-};
-
-struct PageText {
-  std::string title, text;
-};
-
 struct PageData {
   std::string kind;  ///< "run", "compare"
   std::string title;
   std::string command;
-  UnitNames units;                  ///< words for axes
-  std::vector<PageResult> results;  ///< compare: the last one is the reference
+  UnitNames units;  ///< words for axes
+  Json results;     ///< compare: the last one is the reference
   std::vector<PageFrame> frames;
   int frame = 0;  ///< shown first
   std::vector<PageSurface> surfaces;
   PageContext context;
   std::string time_name = "time";  ///< what the states are counted in: "cycle [%]"
-  std::vector<PageChart> charts;
+  Json charts = Json::array();
   std::vector<TitledTable> tables;
-  std::vector<PageText> texts;
+  std::string recognised;  ///< text of `dea info`
   std::vector<std::string> warnings;
 };
 
-/// Force, pressures and area of contacts; motion of bodies; tension of ligaments; how well all balances.
-std::vector<PageChart> run_charts(const Analysis& analysis);
+/// Curves over time: force, pressures and area of contacts; motion of bodies; tension of ligaments; how well all
+/// balances. Each with title, caption, quantity and dimension of the axis ("pressure", "force", "length", "area",
+/// "degrees", "": pure number); values per name, null: a gap.
+Json run_charts(const Analysis& analysis);
 
 /// `to` wherever `from` stands.
 void replace_all(std::string& text, const std::string& from, const std::string& to);

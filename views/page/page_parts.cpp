@@ -8,6 +8,7 @@
 #include <map>
 
 #include "io/files/encoded_text.h"
+#include "src/base/time_text.h"
 #include "src/version.h"
 #include "views/map/colour_map.h"
 #include "views/page/page.h"
@@ -100,6 +101,8 @@ Json short_number(double x) {
   return Json(std::stod(fmt::format("{:.9g}", x)));
 }
 
+Json time_json(double time) { return json_number(time_meant(time)); }
+
 Json table_json(const TitledTable& t) {
   return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
 }
@@ -134,19 +137,19 @@ void add_page_head(const UnitNames& units, Json& j) {
   j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
 }
 
-std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays,
-                      const PageScripts& scripts) {
+std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays, std::string_view style,
+                      std::string_view main) {
   const std::string json = script_json(data);
   const std::string shown_title = escaped(utf8(title));
-  const std::string style = std::string(page::style()) + scripts.style;
+  const std::string styles = std::string(page::style()).append(style);
   return filled(page::html(), {{"title", shown_title},
-                               {"style", style},
+                               {"style", styles},
                                {"three", page::three()},
                                {"plot", page::plot()},
                                {"data_js", page::data()},
                                {"scene", page::scene()},
                                {"figures", page::figures()},
-                               {"main", scripts.main},
+                               {"main", main},
                                {"licences", page::licences()},
                                {"report", json},
                                {"arrays", arrays.html}});

@@ -2,6 +2,7 @@
 // them.
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/results/comparison.h"
@@ -27,6 +28,7 @@ Json mesh_json(const ResultSurface& surface, const std::vector<std::int32_t>& no
 
 /// With nine digits, twelve would be the machine's noise; null: not finite.
 Json short_number(double x);
+Json time_json(double time);
 
 Json table_json(const TitledTable& table);
 
@@ -43,11 +45,9 @@ Json view_json(const MapView& view, const std::vector<Vector3d>& points);
 /// "program", "units", and of the colours "steps", "colours", "lines": what all scripts take for there.
 void add_page_head(const UnitNames& units, Json& page);
 
-/// The scripts and styles that a page has beside those of all pages.
-struct PageScripts {
-  std::string style, main;
-};
-/// The whole page. No text of `data` or of the title is taken for markup; bytes that are not UTF-8 become U+FFFD.
-std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays, const PageScripts& scripts);
+/// The whole page; `style`, `main`: what it has beside the styles and scripts of all pages. No text of `data` or of the
+/// title is taken for markup; bytes that are not UTF-8 become U+FFFD.
+std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays, std::string_view style,
+                      std::string_view main);
 
 }  // namespace dea

@@ -7,7 +7,6 @@
 #include "io/files/output.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
-#include "src/base/time_text.h"
 #include "views/data/json.h"
 #include "views/page/pack.h"
 #include "views/page/page.h"
@@ -54,35 +53,6 @@ Json field_json(const std::optional<PageField>& field, bool exact, PageArrays& a
   return j;
 }
 
-Json time_json(double time) { return json_number(time_meant(time)); }
-
-Json distribution_json(const Distribution& d) {
-  return {{"area", short_number(d.area)},     {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
-          {"mean", short_number(d.mean)},     {"p5", short_number(d.p5)},     {"p25", short_number(d.p25)},
-          {"median", short_number(d.median)}, {"p75", short_number(d.p75)},   {"p95", short_number(d.p95)}};
-}
-
-Json measures_json(const PageMeasures& m) {
-  if (!m.known) return nullptr;
-  return {{"nodes", distribution_json(m.values.nodes.front())},
-          {"facets", distribution_json(m.values.facets.front())},
-          {"force", short_number(m.values.resultant.norm())},
-          {"center", json_vector(m.values.center_of_pressure)},
-          {"headline", headline_json(m.headline)}};
-}
-
-Json pattern_json(const std::optional<PagePattern>& p) {
-  if (!p) return nullptr;
-  const PatternDifference& d = p->difference;
-  return {{"r", short_number(d.correlation)},
-          {"rms", short_number(d.rms)},
-          {"mean", short_number(d.mean)},
-          {"largest", short_number(d.largest)},
-          {"dice", d.dice.empty() ? Json(nullptr) : short_number(d.dice.front())},
-          {"slope", short_number(p->slope)},
-          {"intercept", short_number(p->intercept)}};
-}
-
 Json scales_json(const PageScales& s) {
   return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
 }
@@ -119,29 +89,14 @@ Json surface_json(const PageSurface& s, bool exact, Json& meshes, PageArrays& ar
   j["scales"] = list_json(s.scales, quantity_json);
   j["differences"] = list_json(s.differences, quantity_json);
   j["regions"] = s.regions;
-  j["measures"] = list_json(s.measures, [](const auto& result) {
-    return list_json(result, [](const auto& state) { return list_json(state, measures_json); });
-  });
-  j["patterns"] = list_json(s.patterns, [](const auto& frame) {
-    return list_json(frame, [](const auto& region) { return list_json(region, pattern_json); });
-  });
+  j["measures"] = s.measures;
+  j["patterns"] = s.patterns;
   j["bins"] = s.bins;
   j["profiles"] = list_json(s.profiles, [](const auto& frame) {
     return list_json(frame, [](const auto& result) { return list_json(result, short_number); });
   });
   j["view"] = view_json(s.view, s.geometry.back().mesh.vertices);
   return j;
-}
-
-Json chart_json(const PageChart& c) {
-  return {{"title", c.title},
-          {"caption", c.caption},
-          {"quantity", c.quantity},
-          {"dimension", c.dimension},
-          {"logarithmic", c.logarithmic},
-          {"times", list_json(c.times, time_json)},
-          {"names", c.names},
-          {"values", list_json(c.values, [](const auto& v) { return list_json(v, short_number); })}};
 }
 
 /// Quaternion x, y, z, w and translation of each.
@@ -172,9 +127,7 @@ Json page_json(const PageData& data, PageArrays& arrays) {
   j["command"] = data.command;
   add_page_head(data.units, j);
   j["exact"] = exact;
-  j["results"] = list_json(data.results, [](const PageResult& r) -> Json {
-    return {{"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, time_json)}};
-  });
+  j["results"] = data.results;
   j["frames"] = list_json(data.frames, [](const PageFrame& f) -> Json {
     return {{"time", time_json(f.time)}, {"states", f.states}, {"unsolved", f.unsolved}};
   });
@@ -193,9 +146,10 @@ Json page_json(const PageData& data, PageArrays& arrays) {
                     {"parts_move", list_json(data.context.parts_move, poses_json)},
                     {"surfaces_move", list_json(data.context.surfaces_move, poses_json)}};
   j["context_note"] = data.context.note;
-  j["charts"] = list_json(data.charts, chart_json);
+  j["charts"] = data.charts;
   j["tables"] = list_json(data.tables, table_json);
-  j["texts"] = list_json(data.texts, [](const PageText& t) -> Json { return {{"title", t.title}, {"text", t.text}}; });
+  j["texts"] = Json::array();
+  if (!data.recognised.empty()) j["texts"].push_back({{"title", "What was recognised"}, {"text", data.recognised}});
   j["warnings"] = data.warnings;
   j["headline"] = headline_words();
   return j;
@@ -206,7 +160,7 @@ Json page_json(const PageData& data, PageArrays& arrays) {
 std::string page_html(const PageData& data) {
   PageArrays arrays;
   const Json json = page_json(data, arrays);
-  return page_text(data.title, json, arrays, {"", std::string(page::main())});
+  return page_text(data.title, json, arrays, "", page::main());
 }
 
 void write_page(const std::string& path, const PageData& data) { write_text(path, page_html(data)); }

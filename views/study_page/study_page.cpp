@@ -462,10 +462,8 @@ std::vector<std::string> write_study_page(const std::string& path, const std::st
   if (pairs.column >= 0 && !o.pair_by.empty()) page["pairs"]["by"] = o.pair_by;
   add_maps(study, n, fields, o, group, page, arrays, notes);
   page["notes"] = notes;
-  write_text(path, page_text(page["title"].get<std::string>(), page, arrays,
-                             {std::string(page::study_style()), std::string(page::study_figures()) + "\n" +
-                                                                    std::string(page::study_maps()) + "\n" +
-                                                                    std::string(page::study_main())}));
+  const std::string main = fmt::format("{}\n{}\n{}", page::study_figures(), page::study_maps(), page::study_main());
+  write_text(path, page_text(page["title"].get<std::string>(), page, arrays, page::study_style(), main));
   return notes;
 }
 

@@ -2,8 +2,8 @@
 "use strict";
 
 const Page = (() => {
-  const $ = (id) => document.getElementById(id), layers = Report.layers, bodies = Report.bodies;
-  const { base, grid, axis, axisAt, fitted, tick, style, withLegend } = Figures.tools;
+  const layers = Report.layers, bodies = Report.bodies;
+  const { framed, tick, style, withLegend } = Figures.tools;
   const state = { layer: Math.max(0, layers.findIndex((l) => !l.bare)), shown: bodies.map(() => ({ bone: true, cartilage: true })), solid: false, theme: "light" };
   const quantities = {
     thickness: { head: "Thickness", title: "cartilage thickness", dimension: "length", of: "points" },
@@ -121,8 +121,8 @@ const Page = (() => {
     const mine = ++ticket, l = layers[state.layer], mesh = await Data.mesh(l.mesh), made = [];
     for (const quantity of Object.keys(quantities)) if (l[quantity] !== null && Report.scales[quantity]) made.push({ quantity, numbers: await Data.array(l[quantity]) });
     if (mine !== ticket) return;
-    panels = made.map((w, i) => ({ ...w, sheet: mesh, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
-    $("panels").replaceChildren(...panels.map((p) => make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: quantities[p.quantity].head })), p.canvas, p.readout)));
+    panels = made.map((w, i) => ({ ...w, sheet: mesh, canvas: makeMapCanvas("map" + i), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
+    $("panels").replaceChildren(...panels.map((p) => makePanel([make("h3", { text: quantities[p.quantity].head })], p.canvas, p.readout)));
     $("bars").replaceChildren(...panels.map(() => make("canvas", {})));
     parts.setPanels(panels);
     resetLayer();
@@ -168,16 +168,14 @@ const Page = (() => {
       const all = l.jacobians.counts.reduce((a, b) => a + b, 0), n = l.jacobians.counts.length;
       l.jacobians.counts.forEach((c, k) => rows.push({ i, from: k / n, to: (k + 1) / n, y: 100 * c / all, c }));
     });
-    const chart = fitted((margin) => Plot.plot({
-      ...base(width, 290, ink), marginLeft: margin, x: { domain: [0, 1], label: null }, y: { zero: true, nice: true },
+    const chart = framed(width, 290, ink, { label: "least Jacobian of an element", ticks: 6 }, { label: "share of the elements [%]" }, {
+      x: { domain: [0, 1], label: null }, y: { zero: true, nice: true },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label: "least Jacobian of an element", ticks: 6, tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), label: "share of the elements [%]", tickFormat: tick }),
         Plot.rect(rows.filter((r) => r.c > 0), { x1: "from", x2: "to", y1: 0, y2: "y", fill: (r) => series[r.i].colour, fillOpacity: of.length > 1 ? 0.22 : 0.4, title: (r) => `${series[r.i].name}: ${r.c} elements from ${tick(r.from)} to ${tick(r.to)}` }),
         ...of.map((l, i) => Plot.line(rows.filter((r) => r.i === i).flatMap((r) => [[r.from, r.y], [r.to, r.y]]), { x: (d) => d[0], y: (d) => d[1], stroke: series[i].colour, strokeWidth: 1.7, strokeDasharray: series[i].dash })),
         Plot.ruleY([0], { stroke: ink.soft })
       ]
-    }));
+    });
     return withLegend(chart, series, ink, width);
   }
   const jacobianFigure = () => ({

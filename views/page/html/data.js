@@ -1,13 +1,14 @@
 // What the page knows: the JSON of the report and its packed arrays, unpacked when they are first asked for.
 "use strict";
 
-const Report = JSON.parse(document.getElementById("report").textContent);
+const $ = (id) => document.getElementById(id);
+const Report = JSON.parse($("report").textContent);
 
 const Data = (() => {
   const cache = new Map();
 
   async function inflated(id) {
-    const text = document.getElementById("array" + id).textContent;
+    const text = $("array" + id).textContent;
     let bytes;
     if (Uint8Array.fromBase64) {
       bytes = Uint8Array.fromBase64(text);
@@ -22,19 +23,12 @@ const Data = (() => {
 
   // views/page/pack.h: byte planes, perhaps differences.
   async function unpack(a) {
-    const planes = await inflated(a.id), n = a.count;
-    if (a.bytes === 2) {
-      const out = new Uint16Array(n);
-      for (let i = 0, before = 0; i < n; ++i) {
-        const word = planes[i] | (planes[n + i] << 8);
-        out[i] = before = a.delta ? (before + word) & 0xffff : word;
-      }
-      return out;
-    }
-    const out = new Int32Array(n);
+    const planes = await inflated(a.id), n = a.count, out = new (a.bytes === 2 ? Uint16Array : Int32Array)(n);
     for (let i = 0, before = 0; i < n; ++i) {
-      const word = planes[i] | (planes[n + i] << 8) | (planes[2 * n + i] << 16) | (planes[3 * n + i] << 24);
-      out[i] = before = a.delta ? (before + word) | 0 : word;
+      let word = 0;
+      for (let k = 0; k < a.bytes; ++k) word |= planes[k * n + i] << (8 * k);
+      out[i] = a.delta ? before + word : word;
+      before = out[i];
     }
     return a.real ? new Float32Array(out.buffer) : out;
   }
@@ -225,19 +219,14 @@ const Format = {
   }
 };
 
-// Round steps for ticks: 1, 2, 2.5, 5 times a power of ten.
-function niceStep(range, count) {
-  const raw = range / count, power = Math.pow(10, Math.floor(Math.log10(raw)));
-  for (const m of [1, 2, 2.5, 5, 10]) if (m * power >= raw * 0.999) return m * power;
-  return 10 * power;
+// The least of the multiples of a power of ten that is not below `raw`, but for a part of it.
+function roundStep(raw, multiples, part) {
+  const power = Math.pow(10, Math.floor(Math.log10(raw)));
+  return (multiples.find((m) => m * power >= raw * part) ?? multiples.at(-1)) * power;
 }
-
+const niceStep = (range, count) => roundStep(range / count, [1, 2, 2.5, 5, 10], 0.999);
 // From line to line, and from number to number of a colour bar (views/map/map_scale.h).
-function scaleStep(low, high) {
-  const raw = (high - low) / Report.steps.count, power = Math.pow(10, Math.floor(Math.log10(raw)));
-  for (const m of Report.steps.multiples) if (m * power >= raw * (1 - 1e-9)) return m * power;
-  return Report.steps.multiples.at(-1) * power;
-}
+const scaleStep = (low, high) => roundStep((high - low) / Report.steps.count, Report.steps.multiples, 1 - 1e-9);
 
 // A name for a file that a page saves: the page's title and what it is.
 function fileName(id) { return `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100); }
@@ -257,7 +246,7 @@ function makeToggle(id, text, on, change) {
 // Appended to the page.
 function makeSection(id, title, ...children) {
   const s = make("section", { id }, title ? make("h2", { text: title }) : null, ...children);
-  document.getElementById("main").append(s);
+  $("main").append(s);
   return s;
 }
 // A table as CSV; what is not there is an empty cell; a ' stands before what a spreadsheet would take for a formula.
@@ -274,18 +263,18 @@ function makeTable(t) {
     make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
 }
 function makeHead(sub) {
-  document.getElementById("head").append(make("div", { class: "top" }, make("div", {}, make("h1", { text: Report.title }), make("p", { class: "sub", text: sub })),
+  $("head").append(make("div", { class: "top" }, make("div", {}, make("h1", { text: Report.title }), make("p", { class: "sub", text: sub })),
     make("div", { class: "controls" }, make("button", { id: "theme", title: "Light or dark page" }))));
 }
 function makeFoot(sentence, ...more) {
-  document.getElementById("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }), ...more,
+  $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }), ...more,
     make("p", { class: "about", text: `${Report.program}. ${sentence} Nothing on this page comes from the network.` }),
-    make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: document.getElementById("licences").textContent.trim() })));
+    make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
 }
 // Light or dark as the reader's system is, until the button is pressed; light on paper. `redraw`: in another theme or
 // width; `print`: draws what waits until it is in sight.
 function followReader(state, redraw, print) {
-  const button = document.getElementById("theme"), dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const button = $("theme"), dark = window.matchMedia("(prefers-color-scheme: dark)");
   const set = (theme) => {
     state.theme = theme;
     document.documentElement.dataset.theme = theme;
@@ -302,7 +291,7 @@ function followReader(state, redraw, print) {
 }
 function startPage(start) {
   start().catch((error) => {
-    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
+    $("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
     console.error(error);
   });
 }
@@ -310,10 +299,10 @@ function startPage(start) {
 // Plays states by a button: `next` goes to the next one and answers how long it stays [ms], or a promise of that.
 function makePlayer(id, next) {
   let timer = 0;
-  const player = {
+  return {
     get on() { return timer !== 0; },
     play(on) {
-      const button = document.getElementById(id);
+      const button = $(id);
       clearTimeout(timer);
       timer = 0;
       button.textContent = on ? "❚❚" : "▶";
@@ -326,8 +315,17 @@ function makePlayer(id, next) {
       timer = setTimeout(step, 120);
     }
   };
-  return player;
 }
+// The states: a button that plays them, a slider, where it is. `ids`: of these three.
+function makeTimeBar(ids, title, states, state, play, move, id = null) {
+  const [button, slider, words] = ids, hidden = states < 2;
+  return make("div", { class: "time", id }, make("button", { id: button, text: "▶", title, "aria-label": "Play", hidden, onclick: play }),
+    make("input", { id: slider, type: "range", min: "0", max: String(states - 1), step: "1", value: String(state), "aria-label": "State", hidden, oninput: (e) => move(Number(e.target.value)) }),
+    make("output", { id: words }));
+}
+// A map's canvas below its name, and what is said of it.
+const makeMapCanvas = (id) => make("canvas", { id, tabindex: "0", role: "img" });
+const makePanel = (name, ...parts) => make("div", { class: "panel" }, make("div", { class: "name" }, ...name), ...parts);
 
 // Elements without markup from text: names of files are never parsed.
 function make(tag, attributes, ...children) {

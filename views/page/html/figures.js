@@ -84,6 +84,36 @@ const Figures = (() => {
   const axisAt = (margin) => ({ ...axisY, labelOffset: margin - 10 });
   const known = (x) => x !== null && x !== undefined && !Number.isNaN(x);
   const tick = (x) => Format.short(x, 6);
+  // A chart between two axes. `across`, `up`: what they have beside the usual (null: none across); `plot`: scales and marks.
+  function framed(width, height, ink, across, up, { marks, ...plot }) {
+    return fitted((margin) => {
+      const upwards = { ...axisAt(margin), tickFormat: tick, ...up };
+      return Plot.plot({
+        ...base(width, height, ink), marginLeft: margin, ...plot,
+        marks: [Plot.gridY({ ...grid(ink), ticks: upwards.ticks }), across && Plot.axisX({ ...axis, tickFormat: tick, ...across }), Plot.axisY(upwards), ...marks]
+      });
+    });
+  }
+  const ticksIn = (width, each = 90) => Math.max(3, Math.floor(width / each));
+  // Rows of marks: y "0", "1", ... from the top, each with its name before it, cut to `room`. `lines`: how many across.
+  function rowed(width, height, ink, { names, room, padding, x, across, lines, marks, entries = [] }) {
+    const shown = names.map((name) => cut(name, 13, room));
+    const chart = Plot.plot({
+      ...base(width, height, ink), marginLeft: 16 + Math.max(...shown.map((name) => textWidth(name, 13))),
+      x, y: { domain: names.map((name, i) => String(i)), label: null, padding },
+      marks: [Plot.gridX({ ...grid(ink), ticks: lines }), Plot.axisX({ ...axis, tickFormat: tick, ...across }), Plot.axisY({ tickSize: 0, tickFormat: (i) => shown[Number(i)] }), ...marks]
+    });
+    return withLegend(chart, entries, ink, width);
+  }
+  // A box in each of these rows: ends of the whiskers, box on what is `under` it, median, mean. `keys`: of whiskers and box, from low to high.
+  function boxMarks(rows, [low, from, to, high], colour, ink, under = []) {
+    return [
+      ...[low, high].map((x) => Plot.tickX(rows, { x, y: "y", stroke: colour, strokeWidth: 1.6, insetTop: 6, insetBottom: 6 })), ...under,
+      Plot.barX(rows, { x1: from, x2: to, y: "y", fill: colour, fillOpacity: 0.28, stroke: colour, strokeWidth: 1.6 }),
+      Plot.tickX(rows, { x: "median", y: "y", stroke: colour, strokeWidth: 2.6 }),
+      Plot.dot(rows, { x: "mean", y: "y", symbol: "diamond", r: 4, fill: ink.paper, stroke: colour, strokeWidth: 1.5 })
+    ];
+  }
 
   // ---- curves over time ----
   // series: [{ name, times, values, colour, dash }]
@@ -101,20 +131,18 @@ const Figures = (() => {
       const from = Math.round(Math.log10(ends[0])), to = Math.round(Math.log10(ends[1])), step = Math.ceil((to - from) / 5);
       for (let k = from; k <= to; k += step) powers.push(10 ** k);
     }
-    const chart = fitted((margin) => Plot.plot({
-      ...base(width, 270, ink), marginLeft: logarithmic ? 78 : margin,
+    const up = { label: Format.axis(quantity, dimension), ...(logarithmic ? { labelOffset: 70, ticks: powers, tickFormat: powerOfTen } : {}) };
+    const chart = framed(width, 270, ink, { label: x, ticks: ticksIn(width) }, up, {
+      ...(logarithmic ? { marginLeft: 78 } : {}),
       x: { label: x, grid: false, domain: extent(points.map((p) => p.t)) },
       y: logarithmic ? { type: "log", domain: ends } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: logarithmic ? powers : 5 }),
-        Plot.axisX({ ...axis, label: x, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), ...(logarithmic ? { labelOffset: 70, ticks: powers } : {}), label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
         logarithmic ? null : Plot.ruleY([0], { stroke: ink.soft }),
         known(now) ? Plot.ruleX([now], { stroke: ink.soft, strokeDasharray: "2,3" }) : null,
         ...series.map((s, i) => Plot.line(points.filter((p) => p.i === i), { x: "t", y: "y", stroke: s.colour, strokeWidth: 1.9, strokeDasharray: s.dash })),
         Plot.dot(dots, { x: "t", y: "y", fill: (d) => series[d.i].colour, r: 2.3, title: (d) => `${series[d.i].name}, ${x} ${tick(d.t)}: ${Format.with(d.y, dimension)}` })
       ]
-    }));
+    });
     return withLegend(chart, series.length > 1 ? series : [], ink, width);
   }
 
@@ -142,38 +170,25 @@ const Figures = (() => {
     }));
   }
   const nowOf = (state) => Report.frames[state.frame].time;
+  // Of a result's region in the state that is shown; null: there are none.
+  function measuresNow(state, i, region) {
+    const k = Report.frames[state.frame].states[i];
+    return k < 0 ? null : state.surface.about.measures[i][k]?.[region];
+  }
 
   // ---- figures: { id, title, caption(state), build(state, width, ink), wide, when(state) } ----
   function box(state, width, ink) {
-    const rows = [];
-    Report.results.forEach((r, i) => {
-      const k = Report.frames[state.frame].states[i], all = k < 0 ? null : state.surface.about.measures[i][k];
-      const d = all && all[state.region] ? all[state.region].nodes : null;
-      rows.push({ i, y: String(i), ...(d || {}) });
-    });
-    const name = (i) => cut(labels()[i], 13, Math.min(170, width * 0.32));
-    const left = 16 + Math.max(...rows.map((r) => textWidth(name(r.i), 13)));
-    const full = rows.filter((r) => known(r.median));
+    const rows = Report.results.map((r, i) => ({ i, y: String(i), ...(measuresNow(state, i, state.region) || {}).nodes })), full = rows.filter((r) => known(r.median));
     const colour = (r) => resultStyle(r.i, ink).colour;
-    const chart = Plot.plot({
-      ...base(width, 66 + 46 * rows.length, ink), marginLeft: left,
+    return rowed(width, 66 + 46 * rows.length, ink, {
+      names: labels(), room: Math.min(170, width * 0.32), padding: 0.42, across: { label: Format.axis("pressure", "pressure"), ticks: ticksIn(width, 110) },
       x: { zero: true, nice: true, ...(full.length ? {} : { domain: [0, 1] }) },
-      y: { domain: rows.map((r) => r.y), label: null, padding: 0.42 },
       marks: [
-        Plot.gridX(grid(ink)),
-        Plot.axisX({ ...axis, label: Format.axis("pressure", "pressure"), ticks: Math.max(3, Math.floor(width / 110)), tickFormat: tick }),
-        Plot.axisY({ tickSize: 0, tickFormat: (y) => name(Number(y)) }),
         Plot.link(full, { x1: "p5", x2: "p95", y1: "y", y2: "y", stroke: colour, strokeWidth: 1.6 }),
-        Plot.tickX(full, { x: "p5", y: "y", stroke: colour, strokeWidth: 1.6, insetTop: 6, insetBottom: 6 }),
-        Plot.tickX(full, { x: "p95", y: "y", stroke: colour, strokeWidth: 1.6, insetTop: 6, insetBottom: 6 }),
-        Plot.barX(full, { x1: "p25", x2: "p75", y: "y", fill: ink.paper }),
-        Plot.barX(full, { x1: "p25", x2: "p75", y: "y", fill: colour, fillOpacity: 0.28, stroke: colour, strokeWidth: 1.6 }),
-        Plot.tickX(full, { x: "median", y: "y", stroke: colour, strokeWidth: 2.6 }),
-        Plot.dot(full, { x: "mean", y: "y", symbol: "diamond", r: 4, fill: ink.paper, stroke: colour, strokeWidth: 1.5 }),
+        ...boxMarks(full, ["p5", "p25", "p75", "p95"], colour, ink, [Plot.barX(full, { x1: "p25", x2: "p75", y: "y", fill: ink.paper })]),
         Plot.dot(full, { x: "peak", y: "y", r: 3.2, fill: colour })
       ]
     });
-    return withLegend(chart, [], ink, width);
   }
 
   // Nodal pressures of each result over the reference's, one panel each.
@@ -225,24 +240,20 @@ const Figures = (() => {
     return (state, width, ink) => {
       const about = state.surface.about, rows = [], names = about.regions.map((r) => r || "whole surface");
       about.regions.forEach((name, r) => Report.results.forEach((result, i) => {
-        const k = Report.frames[state.frame].states[i], all = k < 0 ? null : about.measures[i][k];
-        const value = all && all[r] ? get(all[r]) : null;
+        const m = measuresNow(state, i, r), value = m ? get(m) : null;
         rows.push({ fx: String(r), x: String(i), i, y: known(value) ? value : NaN });
       }));
       const band = (width - 76) / names.length;
-      const chart = fitted((margin) => Plot.plot({
-        ...base(width, 260, ink), marginLeft: margin,
+      const chart = framed(width, 260, ink, null, { label: Format.axis(quantity, dimension) }, {
         fx: { domain: names.map((n, r) => String(r)), padding: 0.2, label: null, axis: null },
         x: { axis: null, domain: Report.results.map((r, i) => String(i)), padding: 0.08 },
         y: { zero: true, nice: true },
         marks: [
-          Plot.gridY({ ...grid(ink), ticks: 5 }),
-          Plot.axisFx ? Plot.axisFx({ anchor: "bottom", tickSize: 0, label: null, tickFormat: (r) => cut(names[Number(r)], 13, band) }) : null,
-          Plot.axisY({ ...axisAt(margin), label: Format.axis(quantity, dimension), tickFormat: tick }),
+          Plot.axisFx({ anchor: "bottom", tickSize: 0, label: null, tickFormat: (r) => cut(names[Number(r)], 13, band) }),
           Plot.barY(rows, { fx: "fx", x: "x", y: "y", fill: (d) => resultStyle(d.i, ink).colour, title: (d) => Format.with(d.y, dimension) }),
           Plot.ruleY([0], { stroke: ink.soft })
         ]
-      }));
+      });
       return withLegend(chart, Report.results.map((r, i) => ({ name: r.label, box: true, colour: resultStyle(i, ink).colour })), ink, width);
     };
   }
@@ -269,13 +280,9 @@ const Figures = (() => {
       return { t, p5: or(d.p5), p25: or(d.p25), median: or(d.median), p75: or(d.p75), p95: or(d.p95), peak: or(d.peak) };
     });
     const c = ink.series[0], any = rows.some((d) => !Number.isNaN(d.median));
-    const chart = fitted((margin) => Plot.plot({
-      ...base(width, 270, ink), marginLeft: margin,
+    const chart = framed(width, 270, ink, { label: Report.time_name, ticks: ticksIn(width) }, { label: Format.axis("pressure", "pressure") }, {
       x: { domain: extent(rows.map((d) => d.t)) }, y: { zero: true, nice: true, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }),
-        Plot.axisX({ ...axis, label: Report.time_name, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), label: Format.axis("pressure", "pressure"), tickFormat: tick }),
         Plot.areaY(rows, { x: "t", y1: "p5", y2: "p95", fill: c, fillOpacity: 0.18 }),
         Plot.areaY(rows, { x: "t", y1: "p25", y2: "p75", fill: c, fillOpacity: 0.35 }),
         Plot.line(rows, { x: "t", y: "median", stroke: c, strokeWidth: 2.2 }),
@@ -284,7 +291,7 @@ const Figures = (() => {
         Plot.ruleY([0], { stroke: ink.soft }),
         known(nowOf(state)) ? Plot.ruleX([nowOf(state)], { stroke: ink.soft, strokeDasharray: "2,3" }) : null
       ]
-    }));
+    });
     return withLegend(chart, [{ name: "median", colour: c }, { name: "peak", colour: c, dash: "3,3" }], ink, width);
   }
 
@@ -296,6 +303,8 @@ const Figures = (() => {
     build: (state, width, ink) => curves({ series: measureSeries(state, ink, get), quantity, dimension, now: nowOf(state) }, width, ink)
   });
 
+  // Keys of the headline numbers, titles, quantities, dimensions.
+  const headlines = [["p99", "99th percentile", "p99", "pressure"], ["mean", "Mean pressure", "mean pressure", "pressure"], ["area", "Contact area", "contact area", "area"], ["peak", "Peak pressure", "peak pressure", "pressure"]];
   function list() {
     const out = { now: [], time: [] };
     if (!Report.surfaces.length) return out;
@@ -308,21 +317,14 @@ const Figures = (() => {
         caption: (s) => `Nodal pressure of each result over that of ${labels()[labels().length - 1]}, where either is above 0. Dashed: identity; solid: least-squares line. r and slope weighted by nodal area. ${s.surface.about.title}, ${at(s)}.` });
       if (several) {
         const when = (s) => s.surface.about.regions.length > 1;
-        const by = (id, title, quantity, dimension, get) => out.now.push({ id, title, when, build: bars(quantity, dimension, get), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
-        by("region-p99", "99th percentile by region", "p99", "pressure", (m) => m.headline.p99);
-        by("region-mean", "Mean pressure by region", "mean pressure", "pressure", (m) => m.headline.mean);
-        by("region-area", "Contact area by region", "contact area", "area", (m) => m.headline.area);
-        by("region-peak", "Peak pressure by region", "peak pressure", "pressure", (m) => m.headline.peak);
+        for (const [key, title, quantity, dimension] of headlines)
+          out.now.push({ id: "region-" + key, title: title + " by region", when: (s) => s.surface.about.regions.length > 1, build: bars(quantity, dimension, (m) => m.headline[key]), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
       }
       if (Report.surfaces.some((s) => s.bins.length > 1))
         out.now.push({ id: "profile", title: "Pressure along the angle", build: profile, when: (s) => s.surface.about.bins.length > 1,
           caption: (s) => `Area-weighted mean of the facets in each bin, those without pressure included, against the angle from the axis. ${s.surface.about.title}, ${at(s)}.` });
       if (Report.results.some((r) => r.times.length > 1)) {
-        const nodes = "Nodes above the threshold, weighted by area.";
-        out.time.push(over("time-p99", "99th percentile", "p99", "pressure", (m) => m.headline.p99, nodes));
-        out.time.push(over("time-mean", "Mean pressure", "mean pressure", "pressure", (m) => m.headline.mean, nodes));
-        out.time.push(over("time-area", "Contact area", "contact area", "area", (m) => m.headline.area, nodes));
-        out.time.push(over("time-peak", "Peak pressure", "peak pressure", "pressure", (m) => m.headline.peak, nodes));
+        for (const [key, title, quantity, dimension] of headlines) out.time.push(over("time-" + key, title, quantity, dimension, (m) => m.headline[key], "Nodes above the threshold, weighted by area."));
         out.time.push(over("time-force", "Resultant", "force", "force", (m) => m.force, "|Σ p A n| on the surface in its reference shape."));
       }
     } else {
@@ -360,7 +362,7 @@ const Figures = (() => {
     f.words = make("figcaption", { class: "caption" });
     f.head = make("h3", {});
     f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, f.head, make("span", { class: "save" },
-      button("PNG", "Save as PNG", () => savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => saveSvg(f, state, fileName(f.id))),
+      button("PNG", "Save as PNG", () => savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => saveSvg(onPaper(f, state), fileName(f.id))),
       f.table ? button("CSV", "Save the numbers", () => saveCsv(f.table(state), f.id)) : null)), f.plot, f.words);
     return f.element;
   }
@@ -402,20 +404,21 @@ const Figures = (() => {
     setTimeout(() => URL.revokeObjectURL(url), 10000);
   }
   async function saveCanvas(canvas, name) { save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png"); }
-  function svgText(root, ink) {
-    const copy = root.cloneNode(true), paper = svg("rect", { width: "100%", height: "100%", fill: ink.paper });
-    copy.insertBefore(paper, copy.firstChild);
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(copy);
-  }
+  const svgText = (root) => '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(root);
+  const saveSvg = (root, name) => save(new Blob([svgText(root)], { type: "image/svg+xml" }), name + ".svg");
   // On white, whatever the page's theme: pictures go into papers.
-  function saveSvg(figure, state, name) {
-    const ink = Colours.ink.light, root = padded(figure.build(state, 620, ink));
-    save(new Blob([svgText(root, ink)], { type: "image/svg+xml" }), name + ".svg");
+  function onPaper(figure, state) {
+    const ink = Colours.ink.light, root = figure.build(state, 620, ink), width = Number(root.getAttribute("width")) + 24, height = Number(root.getAttribute("height")) + 24;
+    const out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
+    root.setAttribute("x", 12);
+    root.setAttribute("y", 12);
+    out.append(svg("rect", { width: "100%", height: "100%", fill: ink.paper }), root);
+    return out;
   }
   async function savePng(figure, state, name) {
-    const ink = Colours.ink.light, root = padded(figure.build(state, 620, ink)), k = 3;
+    const root = onPaper(figure, state), k = 3;
     const image = new Image();
-    image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svgText(root, ink));
+    image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svgText(root));
     await image.decode();
     const canvas = document.createElement("canvas");
     canvas.width = k * Number(root.getAttribute("width"));
@@ -423,16 +426,8 @@ const Figures = (() => {
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
     saveCanvas(canvas, name);
   }
-  function padded(root) {
-    const width = Number(root.getAttribute("width")) + 24, height = Number(root.getAttribute("height")) + 24;
-    const out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
-    root.setAttribute("x", 12);
-    root.setAttribute("y", 12);
-    out.append(root);
-    return out;
-  }
 
   // what the figures of studies are made of, too
-  const tools = { svg, svgns, root, place, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style };
-  return { list, element, draw, drawAll, save, saveCanvas, resultStyle, cut, textWidth, tools };
+  const tools = { svg, svgns, root, place, withLegend, base, axis, axisAt, fitted, framed, ticksIn, rowed, boxMarks, known, tick, extent, style };
+  return { list, element, draw, drawAll, save, saveCanvas, saveSvg, resultStyle, cut, textWidth, tools };
 })();

@@ -12,7 +12,6 @@ const Page = (() => {
     gap: { title: "penetration (contact gap)", dimension: "length", none: "none", noneText: "none", shown: (x) => x > 0 }
   };
   const heads = { pressure: "Pressure", space: "Joint space", thickness: "Cartilage thickness", gap: "Penetration" };
-  const $ = (id) => document.getElementById(id);
   let panels = [], figures = Figures.list(), busy = 0;
 
   // ---- frame of the page ----
@@ -77,11 +76,8 @@ const Page = (() => {
     section.append(controls);
     if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
     section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
-    section.append(make("div", { class: "time", id: "time" },
-      make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => player.play(!player.on) }),
-      make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
-      make("output", { id: "now" })));
-    if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
+    section.append(makeTimeBar(["play", "slider", "now"], "Play (space)", Report.frames.length, state.frame, () => player.play(!player.on), setFrame, "time"));
+    if (Report.frames.length < 2) $("time").style.position = "static";
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration" + (Report.context && Report.context.parts_move.length ? ", the rest of the model as it stands to them in each state" : "") + ". Ring: peak; cross: centre of pressure." }));
     section.append(make("p", { class: "keys", id: "kinds", text: Report.headline + ", with smooth maps or without: below the maps, in curves, and first in the tables. Springs are where dea run works out the pressure; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
@@ -109,25 +105,25 @@ const Page = (() => {
     host.classList.toggle("rows", Boolean(state.beside));
     host.replaceChildren();
     panels = wanted.map((w, i) => {
-      const p = { ...w, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [] };
-      const name = make("div", { class: "name" });
+      const p = { ...w, canvas: makeMapCanvas("map" + i), readout: make("div", { class: "readout", id: "readout" + i }), marks: [] };
+      const name = [];
       if (w.difference) {
         const all = pairs(s);
         if (!state.pair || !all.some(([a, b]) => a === state.pair[0] && b === state.pair[1])) state.pair = all[0];
         const chooser = make("select", { id: "pair", title: "Difference of which two results", "aria-label": "Difference", onchange: (e) => { state.pair = e.target.value.split(",").map(Number); update(); } });
         for (const [a, b] of all) chooser.append(make("option", { value: `${a},${b}`, text: `${results[a].label} − ${results[b].label}`, selected: a === state.pair[0] && b === state.pair[1] }));
-        name.append(chooser);
+        name.push(chooser);
         p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
       } else {
         const title = compared ? results[w.result].label : heads[w.quantity] + (state.beside ? `, ${w.surface.about.title}` : "");
-        name.append(make("h3", { text: title }));
-        if (compared && w.result === last) name.append(make("span", { class: "role", text: "reference" }));
+        name.push(make("h3", { text: title }));
+        if (compared && w.result === last) name.push(make("span", { class: "role", text: "reference" }));
         p.title = () => title;
       }
       const from = s.about.view.center, to = w.surface.about.view.center;
       p.offset = w.surface === s || maps.fault ? null : new THREE.Vector3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
       if (maps.fault) p.canvas.hidden = true;
-      const element = make("div", { class: "panel" }, name, p.canvas, p.readout);
+      const element = makePanel(name, p.canvas, p.readout);
       if (i > 0 && w.surface !== wanted[i - 1].surface) element.style.gridColumnStart = "1";  // the first may have fewer
       host.append(element);
       return p;
@@ -238,16 +234,11 @@ const Page = (() => {
         const v = values(p.quantity, p.result, s), q = quantities[p.quantity];
         what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
         if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
-        else if (state.smooth) {
-          what.vertices = nodal(p.quantity, p.result, s);
-          const level = edge(p.quantity, p.result, s);
-          what.from = level;
-          if (level !== null) what.over = [Data.above(what.vertices, level)];
-        }
         else {
-          what.facets = v;
-          what.lines = nodal(p.quantity, p.result, s);
+          const averages = nodal(p.quantity, p.result, s);
           what.from = edge(p.quantity, p.result, s);
+          if (!state.smooth) Object.assign(what, { facets: v, lines: averages });
+          else Object.assign(what, { vertices: averages }, what.from === null ? {} : { over: [Data.above(averages, what.from)] });
         }
         if (v && p.quantity === "pressure") {
           const m = measures(p.result, s), peak = peakPlace(what);
@@ -325,9 +316,7 @@ const Page = (() => {
     }
   }
   // Of the whole surface, as short texts.
-  function numbersOf(p) {
-    return [...withoutSolution(p), ...knownNumbersOf(p)];
-  }
+  const numbersOf = (p) => [...withoutSolution(p), ...knownNumbersOf(p)];
   function withoutSolution(p) {
     const of = (p.difference ? state.pair : [p.result]).filter(unsolved);
     if (!of.length || p.quantity === "thickness") return [];

@@ -13,13 +13,12 @@ const Colours = (() => {
     return out;
   }
   const tables = { sequential: table("sequential"), diverging: table("diverging") };
-  function line(map, fraction) {
-    return tables[map][4 * Math.round(255 * Math.min(1, Math.max(0, fraction))) + 3] ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.75)";
+  function entry(map, fraction) {
+    const i = 4 * Math.round(255 * Math.min(1, Math.max(0, fraction)));
+    return tables[map].subarray(i, i + 4);
   }
-  function css(map, fraction) {
-    const i = 4 * Math.round(255 * Math.min(1, Math.max(0, fraction))), t = tables[map];
-    return `rgb(${t[i]},${t[i + 1]},${t[i + 2]})`;
-  }
+  const line = (map, fraction) => (entry(map, fraction)[3] ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.75)");
+  const css = (map, fraction) => `rgb(${entry(map, fraction).subarray(0, 3).join()})`;
   const ink = {
     light: { paper: "#ffffff", panel: "#f6f6f4", ink: "#1d1f21", soft: "#5c6166", line: "#d9dadb", none: "#d8d2c6", gone: "#f0efec",
       veil: [0.36, 0.34, 0.30], rim: "#4a4a48", series: ["#0072b2", "#d55e00", "#009e73", "#a0549a", "#56b4e9", "#b8860b", "#6b4e2e"], reference: "#2b2b2b" },
@@ -104,14 +103,14 @@ class Maps {
         }`
     });
     this.lineMaterial = new THREE.ShaderMaterial({
-      transparent: true, depthWrite: false,
+      transparent: true, depthWrite: false, premultipliedAlpha: true,
       uniforms: { colour: { value: new THREE.Vector4() } },
       vertexShader: "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
       fragmentShader: "uniform vec4 colour; void main() { gl_FragColor = colour; }"
     });
     this.rimMaterial = this.lineMaterial.clone();
     this.veilMaterial = new THREE.ShaderMaterial({
-      transparent: true, depthWrite: false, side: THREE.DoubleSide,
+      transparent: true, depthWrite: false, premultipliedAlpha: true, side: THREE.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2,
       uniforms: { colour: { value: new THREE.Vector3() } },
       vertexShader: `
@@ -126,9 +125,6 @@ class Maps {
           gl_FragColor = vec4(colour * a, a);
         }`
     });
-    for (const m of [this.veilMaterial, this.lineMaterial, this.rimMaterial]) {
-      m.premultipliedAlpha = true;
-    }
     this.scene = new THREE.Scene();
     this.observer = new IntersectionObserver((entries) => {
       for (const e of entries) {
@@ -245,20 +241,13 @@ class Maps {
       const geometry = new THREE.BufferGeometry(), g = this.geometry(m).corners();
       geometry.setAttribute("position", g.positions);
       geometry.setAttribute("normal", g.normals);
-      panel.over = new THREE.BufferAttribute(new Float32Array(2 * n), 2);
-      geometry.setAttribute("over", panel.over);
-      panel.values = new THREE.BufferAttribute(new Float32Array(n), 1);
-      panel.shown = new THREE.BufferAttribute(new Float32Array(n), 1);
-      geometry.setAttribute("value", panel.values);
-      panel.line = new THREE.BufferAttribute(new Float32Array(n), 1);
-      geometry.setAttribute("shown", panel.shown);
-      geometry.setAttribute("line", panel.line);
+      for (const [name, size] of [["over", 2], ["value", 1], ["shown", 1], ["line", 1]]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(size * n), size));
       if (panel.object) panel.object.geometry.deleteAttribute("position"), panel.object.geometry.dispose();
       panel.object = new THREE.Mesh(geometry, this.material);
       panel.object.frustumCulled = false;
       panel.mesh = m;
     }
-    const values = panel.values.array, shown = panel.shown.array, over = panel.over.array, line = panel.line.array;
+    const attributes = ["value", "shown", "over", "line"].map((name) => panel.object.geometry.getAttribute(name)), [values, shown, over, line] = attributes.map((a) => a.array);
     const lines = what.vertices || what.lines ? Data.pointValues(m, what.vertices || what.lines) : null;
     const source = smooth ? Data.pointValues(m, what.vertices) : what.facets;
     // a small number to either side stays one: on the graphics card they are of 4 bytes
@@ -274,7 +263,7 @@ class Maps {
       if (edges) { over[2 * k] = edges[0][i]; over[2 * k + 1] = edges[edges.length - 1][i]; }
       else over[2 * k] = over[2 * k + 1] = what.shown(x, i) ? 1 : -1;
     }
-    panel.values.needsUpdate = panel.shown.needsUpdate = panel.over.needsUpdate = panel.line.needsUpdate = true;
+    for (const a of attributes) a.needsUpdate = true;
     this.request();
   }
 

@@ -2,7 +2,7 @@
 "use strict";
 
 const Page = (() => {
-  const $ = (id) => document.getElementById(id), columns = Report.columns, one = Report.study;
+  const columns = Report.columns, one = Report.study;
   const state = { statistic: 0, place: 0, choice: Math.max(0, Report.choices.length - 1), x: 0, second: -1, third: -1, kind: "map", fixed: [], by: -1, lines: { places: [], values: [] }, dosed: null, theme: "light" };
   const figures = [];
   Report.choices = Report.choices.map((c) => c.replace(/^time (.+)/, (all, time) => Format.at(time)));
@@ -81,9 +81,6 @@ const Page = (() => {
     }
     host.replaceChildren(select("place", "Contact or region", there, state.place, (v) => { state.place = v; changed(); }));
   }
-  function headlines() {
-    makeSection("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
-  }
   function headlineTable() {
     const unit = (s) => (Format.unit(s.dimension) ? ` [${Format.unit(s.dimension)}]` : "");
     return { headings: ["", ...StudyFigures.boxHeadings], rows: Report.statistics.map((s, i) => [i, s]).filter(([i]) => StudyFigures.hasPlace(i, state.place)).map(([i, s]) => [s.quantity + unit(s), ...StudyFigures.boxCells(Report.summary[i][state.place][state.choice])]) };
@@ -123,9 +120,9 @@ const Page = (() => {
     if (Report.bands) state.lines = { places: await Data.array(Report.bands.drawn), values: await Data.array(Report.bands.lines[state.statistic][state.place]) };
     if (mine !== ticket) return;
     drawHeadlines();
-    drawInfluence();
-    drawGroups();
-    drawPairs();
+    if (Report.influence) drawInfluence();
+    if (Report.groups) drawGroups();
+    if (Report.pairs) drawPairs();
     drawFigures();
   }
 
@@ -177,39 +174,28 @@ const Page = (() => {
 
   // ---- what matters, groups, pairs ----
   function influence() {
-    if (!Report.influence) return;
     const i = Report.influence, words = [i.no_sobol, i.no_slopes].filter(Boolean).join(" ");
     makeSection("influence", "What matters", words ? make("p", { class: "about", text: words }) : null, figureRow(...StudyFigures.influenceFigures()), make("div", { id: "slopes" }));
   }
-  function drawInfluence() {
-    const host = $("slopes");
-    if (!host) return;
-    const t = StudyFigures.slopeTable(state);
-    host.replaceChildren();
-    if (t.rows.length) host.append(make("p", { class: "tabletitle", text: `One at a time, about case ${Report.influence.base}` }), make("p", { class: "about", text: `Slope of ${StudyFigures.statistic(state).title.toLowerCase()} by each factor, all others as in this case; from the neighbours on both sides (central) or on one. Last column: percent of the number per percent of the factor.` }), table(t), save(t, "slopes"));
+  // A table below figures, anew.
+  function below(id, title, about, t, name) {
+    $(id).replaceChildren(make("p", { class: "tabletitle", text: title }), make("p", { class: "about", text: about }), table(t), save(t, name));
   }
-  function groups() {
-    if (!Report.groups) return;
-    makeSection("groups", `Groups by ${columns[Report.groups.column].name}`, figureRow(StudyFigures.groupFigure()), make("div", { id: "group-differences" }));
+  function drawInfluence() {
+    const t = StudyFigures.slopeTable(state);
+    if (!t.rows.length) return $("slopes").replaceChildren();
+    below("slopes", `One at a time, about case ${Report.influence.base}`, `Slope of ${StudyFigures.statistic(state).title.toLowerCase()} by each factor, all others as in this case; from the neighbours on both sides (central) or on one. Last column: percent of the number per percent of the factor.`, t, "slopes");
   }
   function drawGroups() {
-    const host = $("group-differences");
-    if (!host) return;
-    const of = StudyFigures.ofState(Report.groups.numbers, state), c = columns[Report.groups.column];
-    const t = { headings: [c.name, `less ${c.levels[0]}`, "95 % from", "95 % to", "Cohen's d", "Hedges' g", "n", `n of ${c.levels[0]}`], rows: of.differences.map((d, l) => [c.levels[l + 1], StudyFigures.exact(d.mean), StudyFigures.exact(d.interval[0]), StudyFigures.exact(d.interval[1]), StudyFigures.exact(d.d), StudyFigures.exact(d.g), d.count[0], d.count[1]]) };
-    host.replaceChildren(make("p", { class: "tabletitle", text: "Differences of means" }), make("p", { class: "about", text: "Intervals are Welch's; d and g are over the pooled standard deviation. Intervals take the cases for a random sample of what is asked about, which the cases of a planned study are not; nothing here is a test." }), table(t), save(t, "differences of groups"));
-  }
-  function pairs() {
-    if (!Report.pairs) return;
-    makeSection("pairs", `Pairs by ${columns[Report.pairs.column].name}`, figureRow(...StudyFigures.pairFigures()), make("div", { id: "pair-numbers" }));
+    const of = StudyFigures.ofState(Report.groups.numbers, state), c = columns[Report.groups.column], x = StudyFigures.exact;
+    const t = { headings: [c.name, `less ${c.levels[0]}`, "95 % from", "95 % to", "Cohen's d", "Hedges' g", "n", `n of ${c.levels[0]}`], rows: of.differences.map((d, l) => [c.levels[l + 1], x(d.mean), ...d.interval.map(x), x(d.d), x(d.g), d.count[0], d.count[1]]) };
+    below("group-differences", "Differences of means", "Intervals are Welch's; d and g are over the pooled standard deviation. Intervals take the cases for a random sample of what is asked about, which the cases of a planned study are not; nothing here is a test.", t, "differences of groups");
   }
   function drawPairs() {
-    const host = $("pair-numbers");
-    if (!host) return;
     const p = StudyFigures.ofState(Report.pairs.numbers, state), c = columns[Report.pairs.column], x = StudyFigures.exact;
-    const t = { headings: ["", "value", "95 % from", "95 % to"], rows: [["mean difference", x(p.mean), x(p.interval[0]), x(p.interval[1])], ["standard deviation of differences", x(p.sd), "", ""], ["median difference", x(p.median), "", ""],
-      ["lower limit of agreement", x(p.limits[0]), x(p.lower_interval[0]), x(p.lower_interval[1])], ["upper limit of agreement", x(p.limits[1]), x(p.upper_interval[0]), x(p.upper_interval[1])], ["effect size d_z", x(p.dz), "", ""], ["the same, corrected for few pairs", x(p.g), "", ""]] };
-    host.replaceChildren(make("p", { class: "tabletitle", text: `${c.levels[Report.pairs.first]} less ${c.levels[Report.pairs.second]}` }), make("p", { class: "about", text: `${plural(p.pairs, "pair")}; ${p.left_out} left out, of which a case has no number; ${plural(Report.pairs.alone, "case")} without a partner. Intervals are Student's; nothing here is a test.` }), table(t), save(t, "pairs"));
+    const t = { headings: ["", "value", "95 % from", "95 % to"], rows: [["mean difference", p.mean, p.interval], ["standard deviation of differences", p.sd], ["median difference", p.median], ["lower limit of agreement", p.limits[0], p.lower_interval],
+      ["upper limit of agreement", p.limits[1], p.upper_interval], ["effect size d_z", p.dz], ["the same, corrected for few pairs", p.g]].map(([name, value, interval = [null, null]]) => [name, x(value), ...interval.map(x)]) };
+    below("pair-numbers", `${c.levels[Report.pairs.first]} less ${c.levels[Report.pairs.second]}`, `${plural(p.pairs, "pair")}; ${p.left_out} left out, of which a case has no number; ${plural(Report.pairs.alone, "case")} without a partner. Intervals are Student's; nothing here is a test.`, t, "pairs");
   }
 
   // ---- maps, regions, dose ----
@@ -242,12 +228,12 @@ const Page = (() => {
   // Whatever is of the contacts' numbers: no case has any where none was more than refused. Returns the maps' section.
   function numbers() {
     choose();
-    headlines();
+    makeSection("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
     response();
     const mapSection = maps();
-    influence();
-    groups();
-    pairs();
+    if (Report.influence) influence();
+    if (Report.groups) makeSection("groups", `Groups by ${columns[Report.groups.column].name}`, figureRow(StudyFigures.groupFigure()), make("div", { id: "group-differences" }));
+    if (Report.pairs) makeSection("pairs", `Pairs by ${columns[Report.pairs.column].name}`, figureRow(...StudyFigures.pairFigures()), make("div", { id: "pair-numbers" }));
     if (Report.places.length > 1) makeSection("regions", "Regions", figureRow(StudyFigures.placeFigure()));
     if (Report.maps && Report.maps.dose && Report.maps.dose.cases.length) makeSection("dose", "Dose", figureRow(StudyFigures.doseFigure()));
     return mapSection;

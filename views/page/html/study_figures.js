@@ -37,7 +37,7 @@ const Study = (() => {
 })();
 
 const StudyFigures = (() => {
-  const { svg, svgns, root, place, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style } = Figures.tools;
+  const { svg, svgns, root, place, withLegend, base, axis, axisAt, fitted, framed, ticksIn, rowed, boxMarks, known, tick, extent, style } = Figures.tools;
   const cut = Figures.cut, textWidth = Figures.textWidth, kMostLines = 12, kMostPanels = 12, kMostDots = 3000;
 
   const statistic = (state) => Report.statistics[state.statistic];
@@ -138,8 +138,8 @@ const StudyFigures = (() => {
     const col = column(c), few = col.numeric && col.levels.length <= Math.max(3, Math.floor(width / 52));
     const room = (width - 70) / Math.max(1, col.levels.length);  // beside the other axis
     const every = Math.ceil(46 / room);  // of words: those that have room
-    return Plot.axisX({ ...axis, label: cut(col.label, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
-      tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room * every - 4) });
+    return { label: cut(col.label, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
+      tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room * every - 4) };
   }
 
   function curvePoints(state, second, panelAt, most = kMostLines) {
@@ -157,16 +157,14 @@ const StudyFigures = (() => {
   function curveChart(state, second, points, domain, ink) {
     return (width) => {
       const lost = points.filter((p) => !known(p.y)), lineStyle = (l) => seriesStyle(second < 0 ? 0 : orderOf(second, l), ink);
-      return fitted((margin) => Plot.plot({
-        ...base(width, 270, ink), marginLeft: margin, x: xScale(state.x), y: { domain, nice: true },
+      return framed(width, 270, ink, axisX(state.x, width), { label: axisOf(state) }, {
+        x: xScale(state.x), y: { domain, nice: true },
         marks: [
-          Plot.gridY({ ...grid(ink), ticks: 5 }), axisX(state.x, width),
-          Plot.axisY({ ...axisAt(margin), label: axisOf(state), tickFormat: tick }),
           ...[...(second < 0 && !column(state.x).numeric ? [] : new Set(points.map((p) => p.line)))].map((l) => Plot.line(points.filter((p) => p.line === l), { x: "x", y: (p) => (known(p.y) ? p.y : NaN), stroke: lineStyle(l).colour, strokeWidth: 1.9, strokeDasharray: lineStyle(l).dash })),
           Plot.dot(points.filter((p) => known(p.y)), { x: "x", y: "y", r: 2.4, fill: (p) => lineStyle(p.line).colour, title: (p) => `case ${Study.numbers[p.i]}: ${Study.words(p.i)}: ${Format.with(p.y, statistic(state).dimension)}` }),
           Plot.text(lost, { x: "x", y: () => domain[0], text: () => "×", fill: (p) => lineStyle(p.line).colour, fontSize: 14, fontWeight: 700 })
         ]
-      }));
+      });
     };
   }
   function domainOf(values) {
@@ -240,7 +238,7 @@ const StudyFigures = (() => {
           Plot.text(labels, { x: "x", y: "y", text: (d) => Format.short(d.level, 6), fill: (d) => line(d.level).replace("0.75", "1"), stroke: (d) => Colours.css("sequential", share(scale, d.level)), strokeWidth: 3, fontSize: 12 }),
           Plot.text(marks, { x: (d) => (d.x1 + d.x2) / 2, y: (d) => (d.y1 + d.y2) / 2, text: "sign", fill: (d) => line(d.v).replace("0.75", "1"), fontSize: 15, fontWeight: 700 }),
           Plot.text(boxes.filter((d) => !known(d.v)), { x: "x", y: "y", text: () => "×", fill: ink.ink, fontSize: 14 }),
-          axisX(state.x, width), Plot.axisY({ ...axisAt(margin), label: cut(column(second).label, 13, 200), tickFormat: tick, ticks: y.length <= 12 ? y : 6 })
+          Plot.axisX({ ...axis, ...axisX(state.x, width) }), Plot.axisY({ ...axisAt(margin), label: cut(column(second).label, 13, 200), tickFormat: tick, ticks: y.length <= 12 ? y : 6 })
         ]
       }));
     };
@@ -263,14 +261,13 @@ const StudyFigures = (() => {
     const scale = c2 && c2.numeric ? scaleFor(c2.numbers) : null, level = (d) => c2.level[d.i];
     const colour = (d) => (!c2 ? seriesStyle(0, ink).colour : scale ? Colours.css("sequential", share(scale, c2.numbers[level(d)])) : seriesStyle(level(d), ink).colour);
     const domain = domainOf(there.map((d) => d.y));
-    const chart = (w) => fitted((margin) => Plot.plot({
-      ...base(w, 330, ink), marginLeft: margin, x: xScale(state.x), y: { domain, nice: true },
+    const chart = (w) => framed(w, 330, ink, axisX(state.x, w), { label: axisOf(state) }, {
+      x: xScale(state.x), y: { domain, nice: true },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), axisX(state.x, w), Plot.axisY({ ...axisAt(margin), label: axisOf(state), tickFormat: tick }),
         Plot.dot(there, { x: "x", y: "y", r: there.length > 800 ? 1.6 : 2.6, fill: colour, fillOpacity: there.length > 800 ? 0.6 : 0.85, title: (d) => `case ${Study.numbers[d.i]}: ${Study.words(d.i)}: ${Format.with(d.y, statistic(state).dimension)}` }),
         Plot.text(dots.filter((d) => !known(d.y)), { x: "x", y: () => domain[0], text: () => "×", fill: ink.ink, fontSize: 13 })
       ]
-    }));
+    });
     const entries = c2 && !scale ? c2.levels.slice(0, kMostLines).map((name, l) => ({ name: `${c2.name} = ${name}`, box: true, ...seriesStyle(l, ink) })) : [];
     return panels([chart], null, entries, width, ink, scale ? colourBar(c2.name, scale, width, ink) : null);
   }
@@ -310,17 +307,15 @@ const StudyFigures = (() => {
       return t.map((x, k) => ({ x, low: b.low[k] ?? NaN, high: b.high[k] ?? NaN, mean: b.mean[k] ?? NaN, median: b.median[k] ?? NaN }));
     });
     const label = Report.bands.percent ? "% of the cycle" : Report.time_name, thin = Math.min(0.6, Math.max(0.14, 25 / Math.max(1, drawn.places.length)));
-    const chart = (w) => fitted((margin) => Plot.plot({
-      ...base(w, 330, ink), marginLeft: margin, x: { label, domain: extent(t) }, y: { nice: true, zero: true, domain: domainOf(points.map((p) => p.y)) },
+    const chart = (w) => framed(w, 330, ink, { label, ticks: ticksIn(w) }, { label: axisOf(state) }, {
+      x: { label, domain: extent(t) }, y: { nice: true, zero: true, domain: domainOf(points.map((p) => p.y)) },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label, ticks: Math.max(3, Math.floor(w / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), label: axisOf(state), tickFormat: tick }),
         ...bands.map((b, g) => Plot.areaY(b, { x: "x", y1: "low", y2: "high", fill: seriesStyle(g, ink).colour, fillOpacity: 0.16 })),
         Plot.line(points, { x: "x", y: (p) => (known(p.y) ? p.y : NaN), z: "n", stroke: (p) => seriesStyle(p.g, ink).colour, strokeWidth: 0.8, strokeOpacity: thin, title: (p) => `case ${Study.numbers[p.i]}: ${Study.words(p.i)}` }),
         ...bands.map((b, g) => Plot.line(b, { x: "x", y: "mean", stroke: seriesStyle(g, ink).colour, strokeWidth: 2.6, strokeDasharray: seriesStyle(g, ink).dash })),
         ...(state.by < 0 ? bands : []).map((b, g) => Plot.line(b, { x: "x", y: "median", stroke: seriesStyle(g, ink).colour, strokeWidth: 1.4, strokeDasharray: "4,3" }))
       ]
-    }));
+    });
     const name = (g) => (g.column < 0 ? "mean" : Study.said(column(g.column), g.level));
     const entries = groups.map((g, k) => ({ name: name(g), ...seriesStyle(k, ink) }));
     if (state.by < 0) entries.push({ name: "median", colour: seriesStyle(0, ink).colour, dash: "4,3" });
@@ -343,29 +338,18 @@ const StudyFigures = (() => {
   // ---- distribution of all cases, and of groups ----
   // rows: [{ name, box, dots: [numbers] }]
   function boxes(rows, label, width, ink) {
-    const name = (r) => cut(r.name, 13, Math.min(190, width * 0.34));
-    const left = 16 + Math.max(...rows.map((r) => textWidth(name(r), 13))), full = rows.map((r, i) => ({ ...r.box, i, y: String(i) })).filter((r) => known(r.median));
-    const colour = (d) => seriesStyle(rows[d.i].colour ?? d.i, ink).colour;
+    const full = rows.map((r, i) => ({ ...r.box, i, y: String(i) })).filter((r) => known(r.median)), colour = (d) => seriesStyle(d.i, ink).colour;
     const dots = rows.flatMap((r, i) => (r.dots || []).filter((d) => known(d.x)).map((d) => ({ ...d, i, y: String(i) })));
-    const chart = Plot.plot({
-      ...base(width, 66 + 46 * rows.length, ink), marginLeft: left,
-      x: { nice: true, domain: domainOf([...full.flatMap((d) => [d.least, d.largest]), ...dots.map((d) => d.x)]) }, y: { domain: rows.map((r, i) => String(i)), label: null, padding: 0.42 },
+    return rowed(width, 66 + 46 * rows.length, ink, {
+      names: rows.map((r) => r.name), room: Math.min(190, width * 0.34), padding: 0.42, across: { label, ticks: ticksIn(width, 110) },
+      x: { nice: true, domain: domainOf([...full.flatMap((d) => [d.least, d.largest]), ...dots.map((d) => d.x)]) },
       marks: [
-        Plot.gridX(grid(ink)),
-        Plot.axisX({ ...axis, label, ticks: Math.max(3, Math.floor(width / 110)), tickFormat: tick }),
-        Plot.axisY({ tickSize: 0, tickFormat: (y) => name(rows[Number(y)]) }),
         Plot.dot(dots, { x: "x", y: "y", r: 1.6, fill: colour, fillOpacity: 0.35, dy: 14, title: (d) => d.title }),
-        Plot.link(full, { x1: "low", x2: "q1", y1: "y", y2: "y", stroke: colour, strokeWidth: 1.6 }),
-        Plot.link(full, { x1: "q3", x2: "high", y1: "y", y2: "y", stroke: colour, strokeWidth: 1.6 }),
-        Plot.tickX(full, { x: "low", y: "y", stroke: colour, strokeWidth: 1.6, insetTop: 6, insetBottom: 6 }),
-        Plot.tickX(full, { x: "high", y: "y", stroke: colour, strokeWidth: 1.6, insetTop: 6, insetBottom: 6 }),
-        Plot.barX(full, { x1: "q1", x2: "q3", y: "y", fill: colour, fillOpacity: 0.28, stroke: colour, strokeWidth: 1.6 }),
-        Plot.tickX(full, { x: "median", y: "y", stroke: colour, strokeWidth: 2.6 }),
-        Plot.dot(full, { x: "mean", y: "y", symbol: "diamond", r: 4, fill: ink.paper, stroke: colour, strokeWidth: 1.5 }),
+        ...[["low", "q1"], ["q3", "high"]].map(([x1, x2]) => Plot.link(full, { x1, x2, y1: "y", y2: "y", stroke: colour, strokeWidth: 1.6 })),
+        ...boxMarks(full, ["low", "q1", "q3", "high"], colour, ink),
         Plot.dot(full.flatMap((d) => (rows[d.i].box.outliers || []).map(([number, x]) => ({ i: d.i, y: d.y, x, number }))), { x: "x", y: "y", r: 2.4, stroke: colour, fill: "none", title: (d) => `case ${d.number}` })
       ]
     });
-    return withLegend(chart, [], ink, width);
   }
   const boxWords = "Box: quartiles, line: median, diamond: mean, whiskers: the last values within 1.5 times the box, rings beyond.";
   const boxCells = (b) => [b.count, b.left_out, exact(b.least), exact(b.q1), exact(b.median), exact(b.q3), exact(b.largest), exact(b.mean), exact(b.sd)];
@@ -394,17 +378,15 @@ const StudyFigures = (() => {
   function paired(state, width, ink) {
     const p = ofState(Report.pairs.numbers, state), values = pairValues(state), every = Math.ceil(values.length / 300), names = pairNames();
     const drawn = values.filter((x, i) => i % every === 0), boxesOf = [p.first, p.second].map((b, i) => ({ ...b, x: i })).filter((b) => known(b.median));
-    const chart = (w) => fitted((margin) => Plot.plot({
-      ...base(w, 330, ink), marginLeft: margin, x: { domain: [-0.45, 1.45], label: null }, y: { nice: true, domain: domainOf(values.flatMap((v) => [v.first, v.second])) },
+    const chart = (w) => framed(w, 330, ink, { label: null, ticks: [0, 1], tickFormat: (i) => cut(names[i], 13, w / 2 - 20) }, { label: axisOf(state) }, {
+      x: { domain: [-0.45, 1.45], label: null }, y: { nice: true, domain: domainOf(values.flatMap((v) => [v.first, v.second])) },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label: null, ticks: [0, 1], tickFormat: (i) => cut(names[i], 13, w / 2 - 20) }),
-        Plot.axisY({ ...axisAt(margin), label: axisOf(state), tickFormat: tick }),
         Plot.link(drawn, { x1: () => 0, x2: () => 1, y1: "first", y2: "second", stroke: ink.soft, strokeWidth: 0.8, strokeOpacity: Math.max(0.2, Math.min(0.7, 20 / drawn.length)), title: (d) => `cases ${Study.numbers[d.a]} and ${Study.numbers[d.b]}` }),
         Plot.dot(drawn.flatMap((d) => [[0, d.first], [1, d.second]]), { x: (d) => d[0], y: (d) => d[1], r: 2, fill: (d) => seriesStyle(d[0], ink).colour }),
         Plot.rect(boxesOf, { x1: (b) => (b.x ? 1.12 : -0.28), x2: (b) => (b.x ? 1.28 : -0.12), y1: "q1", y2: "q3", fill: (b) => seriesStyle(b.x, ink).colour, fillOpacity: 0.3, stroke: (b) => seriesStyle(b.x, ink).colour }),
         Plot.link(boxesOf, { x1: (b) => (b.x ? 1.1 : -0.3), x2: (b) => (b.x ? 1.3 : -0.1), y1: "median", y2: "median", stroke: (b) => seriesStyle(b.x, ink).colour, strokeWidth: 2.6 })
       ]
-    }));
+    });
     return panels([chart], null, [], width, ink);
   }
   function blandAltman(state, width, ink) {
@@ -412,17 +394,15 @@ const StudyFigures = (() => {
     const [least, most] = extent(dots.map((d) => d.x)), ends = [least - 0.05 * (most - least), most + 0.05 * (most - least)], lineAt = [{ y: p.mean, n: "mean" }, { y: p.limits[0], n: "lower" }, { y: p.limits[1], n: "upper" }].filter((l) => known(l.y));
     const bandsAt = [p.interval, p.lower_interval, p.upper_interval].filter((b) => known(b[0]));
     const values = [...dots.map((d) => d.y), ...lineAt.map((l) => l.y), ...bandsAt.flat(), 0], y = extent(values), colour = seriesStyle(0, ink).colour;
-    const chart = (w) => fitted((margin) => Plot.plot({
-      ...base(w, 330, ink), marginLeft: margin, x: { domain: ends, label: null }, y: { domain: y, nice: true },
+    const chart = (w) => framed(w, 330, ink, { label: `mean of both: ${axisOf(state)}`, ticks: 5 }, { label: cut(`${pairNames()[0]} less ${pairNames()[1]}`, 13, 240) }, {
+      x: { domain: ends, label: null }, y: { domain: y, nice: true },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label: `mean of both: ${axisOf(state)}`, ticks: 5, tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), label: cut(`${pairNames()[0]} less ${pairNames()[1]}`, 13, 240), tickFormat: tick }),
         Plot.rect(bandsAt, { x1: () => ends[0], x2: () => ends[1], y1: (b) => b[0], y2: (b) => b[1], fill: colour, fillOpacity: 0.13 }),
         Plot.ruleY([0], { stroke: ink.soft }),
         Plot.ruleY(lineAt.slice(0, 1), { y: "y", stroke: colour, strokeWidth: 2 }), Plot.ruleY(lineAt.slice(1), { y: "y", stroke: colour, strokeWidth: 1.6, strokeDasharray: "5,4" }),
         Plot.dot(dots.slice(0, 5000), { x: "x", y: "y", r: 2.4, fill: ink.ink, fillOpacity: 0.6, title: (d) => `cases ${Study.numbers[d.a]} and ${Study.numbers[d.b]}: ${Format.number(d.y)}` })
       ]
-    }));
+    });
     return panels([chart], null, [], width, ink);
   }
   function pairTable(state) {
@@ -439,30 +419,29 @@ const StudyFigures = (() => {
     const of = ofState(Report.influence.numbers, state);
     return [...of.factors].sort((a, b) => Math.max(Math.abs(b.coefficient ?? 0), Math.abs(b.rho ?? 0)) - Math.max(Math.abs(a.coefficient ?? 0), Math.abs(a.rho ?? 0)));
   }
-  function marksBy(rows, names, x, domain, entries, marks, width, ink) {
-    const name = (c) => cut(column(c).name, 13, Math.min(150, width * 0.3)), left = 16 + Math.max(...names.map((c) => textWidth(name(c), 13)));
-    const chart = Plot.plot({
-      ...base(width, 76 + 34 * names.length, ink), marginLeft: left, x: { domain, label: x }, y: { domain: names.map(String), label: null, padding: 0.3 },
-      marks: [Plot.gridX({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label: x, ticks: 5, tickFormat: tick }), Plot.axisY({ tickSize: 0, tickFormat: (c) => name(Number(c)) }), Plot.ruleX([0], { stroke: ink.soft }), ...marks]
+  // A row per factor, two marks in each.
+  function factorRows(rows, label, domain, names, marks, width, ink) {
+    return rowed(width, 76 + 34 * rows.length, ink, {
+      names: rows.map((r) => column(r.column).name), room: Math.min(150, width * 0.3), padding: 0.3, across: { label, ticks: 5 }, lines: 5, x: { domain, label },
+      entries: names.map((name, i) => ({ name, colour: seriesStyle(i, ink).colour, box: true })), marks: [Plot.ruleX([0], { stroke: ink.soft }), ...marks]
     });
-    return withLegend(chart, entries, ink, width);
   }
   function regressionFigure(state, width, ink) {
-    const rows = influenceRows(state).map((r) => ({ ...r, y: String(r.column) })), a = seriesStyle(0, ink).colour, b = seriesStyle(1, ink).colour;
+    const rows = influenceRows(state).map((r, i) => ({ ...r, y: String(i) })), a = seriesStyle(0, ink).colour, b = seriesStyle(1, ink).colour;
     const most = Math.max(1, ...rows.map((r) => Math.abs(r.coefficient ?? 0)));
-    return marksBy(rows, rows.map((r) => r.column), "no unit", [-most, most], [{ name: "standardised regression", colour: a, box: true }, { name: "Spearman", colour: b, box: true }], [
+    return factorRows(rows, "no unit", [-most, most], ["standardised regression", "Spearman"], [
       Plot.link(rows.filter((r) => known(r.coefficient)), { x1: () => 0, x2: "coefficient", y1: "y", y2: "y", stroke: a, strokeWidth: 1.6, dy: -5 }),
       Plot.dot(rows.filter((r) => known(r.coefficient)), { x: "coefficient", y: "y", r: 4.5, fill: a, dy: -5 }),
       Plot.link(rows.filter((r) => known(r.rho)), { x1: () => 0, x2: "rho", y1: "y", y2: "y", stroke: b, strokeWidth: 1.6, dy: 5 }),
       Plot.dot(rows.filter((r) => known(r.rho)), { x: "rho", y: "y", symbol: "diamond", r: 5, fill: b, dy: 5 })], width, ink);
   }
   function sobolFigure(state, width, ink) {
-    const rows = ofState(Report.influence.numbers, state).sobol.filter((r) => r.column >= 0).sort((p, q) => (q.total ?? 0) - (p.total ?? 0)).map((r) => ({ ...r, y: String(r.column) }));
+    const rows = ofState(Report.influence.numbers, state).sobol.filter((r) => r.column >= 0).sort((p, q) => (q.total ?? 0) - (p.total ?? 0)).map((r, i) => ({ ...r, y: String(i) }));
     const a = seriesStyle(0, ink).colour, b = seriesStyle(1, ink).colour, all = rows.flatMap((r) => [...r.first_interval, ...r.total_interval, r.first, r.total]).filter(known);
     const domain = [Math.min(0, ...all), Math.max(1, ...all)], bars = (key, colour, dy) => [
       Plot.link(rows.filter((r) => known(r[key + "_interval"][0])), { x1: (r) => r[key + "_interval"][0], x2: (r) => r[key + "_interval"][1], y1: "y", y2: "y", stroke: colour, strokeWidth: 2, dy }),
       Plot.dot(rows.filter((r) => known(r[key])), { x: key, y: "y", r: 4.5, symbol: key === "first" ? "circle" : "diamond", fill: colour, dy })];
-    return marksBy(rows, rows.map((r) => r.column), "share of the variance", domain, [{ name: "first order", colour: a, box: true }, { name: "total", colour: b, box: true }], [...bars("first", a, -6), ...bars("total", b, 6)], width, ink);
+    return factorRows(rows, "share of the variance", domain, ["first order", "total"], [...bars("first", a, -6), ...bars("total", b, 6)], width, ink);
   }
   function influenceTable(state) {
     const of = ofState(Report.influence.numbers, state);
@@ -500,15 +479,14 @@ const StudyFigures = (() => {
   function dose(state, width, ink) {
     const d = Report.maps.dose, every = Math.ceil(d.cases.length / 300), points = [], now = state.dosed;
     d.cases.forEach((c, n) => { if (n % every === 0 || c.number === now) d.levels.forEach((x, k) => points.push({ n, x, y: 100 * c.shares[k], number: c.number })); });
-    const colour = seriesStyle(0, ink).colour, chart = (w) => fitted((margin) => Plot.plot({
-      ...base(w, 300, ink), marginLeft: margin, x: { domain: extent(d.levels), label: null }, y: { domain: [0, Math.max(1e-9, ...points.map((p) => p.y))], nice: true },
+    const colour = seriesStyle(0, ink).colour, across = { label: `overpressure above ${Format.short(d.above)} [${doseUnit()}]`, ticks: 5 };
+    const chart = (w) => framed(w, 300, ink, across, { label: "share of the area above [%]" }, {
+      x: { domain: extent(d.levels), label: null }, y: { domain: [0, Math.max(1e-9, ...points.map((p) => p.y))], nice: true },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: 5 }), Plot.axisX({ ...axis, label: `overpressure above ${Format.short(d.above)} [${doseUnit()}]`, ticks: 5, tickFormat: tick }),
-        Plot.axisY({ ...axisAt(margin), label: "share of the area above [%]", tickFormat: tick }),
         Plot.line(points, { x: "x", y: "y", z: "n", stroke: ink.soft, strokeWidth: 0.8, strokeOpacity: 0.45, title: (p) => `case ${p.number}` }),
         Plot.line(points.filter((p) => p.number === now), { x: "x", y: "y", stroke: colour, strokeWidth: 2.6 })
       ]
-    }));
+    });
     return panels([chart], null, known(now) ? [{ name: `case ${now}, as in the maps`, colour, dash: null }] : [], width, ink);
   }
   const doseFigure = () => ({

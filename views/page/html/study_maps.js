@@ -3,7 +3,7 @@
 "use strict";
 
 const StudyMaps = (() => {
-  const about = Report.maps, $ = (id) => document.getElementById(id);
+  const about = Report.maps;
   const view = { at: [], state: 0, show: "state", between: false, theme: "light", contact: null, sort: 0, position: 0, range: "all", smooth: true };
   let solid = null, flat = null, panels = [], ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
 
@@ -232,26 +232,17 @@ const StudyMaps = (() => {
     if (on && view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
     player.play(on);
   }
-  function option(value, text) { return make("option", { value, text }); }
   // What is shown, of which contact and group, with which scale; saving.
   function mapControls() {
-    const show = make("select", { id: "map-show", onchange: (e) => { view.show = e.target.value; fitControls(); update(); } });
-    const has = (kind) => about.fields.some((f) => f.entries.some((e) => e[0] === kind));
-    for (const kind of Object.keys(titles)) if (kind === "state" || has(kind)) show.append(option(kind, kind === "state" ? "pressure in a state" : titles[kind][0]));
-    for (const [value, text] of meanKinds()) show.append(option(value, text));
-    const controls = make("div", { class: "controls" });
-    if (contacts().length > 1) {
-      const s = make("select", { id: "map-contact", onchange: (e) => { view.contact = e.target.value; index(); sliders(); update(); } });
-      for (const [value, text] of contacts()) s.append(option(value, text));
-      controls.append(make("label", {}, "Contact", s));
-    }
-    controls.append(make("label", {}, "Show", show));
-    const group = make("select", { id: "map-group", onchange: (e) => { view.group = Number(e.target.value); update(); } });
-    if (Report.means) Report.means.groups.forEach((g, i) => group.append(option(String(i), g)));
-    controls.append(make("label", { id: "map-group-label" }, "of", group));
-    controls.append(make("button", { id: "map-cycle", text: "over the cycle", "aria-pressed": "false", onclick: (e) => { view.stateKind = overCycle() ? "state" : "cycle"; e.target.setAttribute("aria-pressed", String(overCycle())); update(); } }));
-    const scale = make("select", { id: "map-range", onchange: (e) => { view.range = e.target.value; update(); } }, option("all", "all maps"), option("map", "this map"));
-    controls.append(make("label", {}, "Scale", scale));
+    const has = (kind) => kind === "state" || about.fields.some((f) => f.entries.some((e) => e[0] === kind));
+    const shown = Object.keys(titles).filter(has).map((kind) => [kind, kind === "state" ? "pressure in a state" : titles[kind][0]]);
+    const groups = Report.means ? Report.means.groups.map((g, i) => [i, g]) : [];
+    const controls = make("div", { class: "controls" },
+      contacts().length > 1 ? makeSelect("map-contact", "Contact", contacts(), view.contact, (v) => { view.contact = v; index(); sliders(); update(); }) : null,
+      makeSelect("map-show", "Show", [...shown, ...meanKinds()], view.show, (v) => { view.show = v; fitControls(); update(); }),
+      makeSelect("map-group", "of", groups, view.group, (v) => { view.group = Number(v); update(); }),
+      makeToggle("map-cycle", "over the cycle", false, (on) => { view.stateKind = on ? "cycle" : "state"; update(); }),
+      makeSelect("map-range", "Scale", [["all", "all maps"], ["map", "this map"]], view.range, (v) => { view.range = v; update(); }));
     if (gridded() && own.some((c) => c.numeric))
       controls.append(make("button", { id: "between", text: "between stored cases", title: "Lets the sliders stop between stored cases: maps are then linear between them, not solved", "aria-pressed": "false", onclick: (e) => {
         view.between = !view.between;
@@ -278,20 +269,17 @@ const StudyMaps = (() => {
     host.append(mapControls());
     if (solid.fault) host.append(make("p", { class: "fault", id: "nowebgl", text: solid.fault }));
     host.append(make("div", { class: "sliders", id: "sliders" }));
-    const place = make("div", { class: "panels" });
-    place.style.setProperty("--least", "330px");
+    const place = make("div", { class: "panels", style: "--least: 330px" });
     panels = [[solid, false, "Surface"], [flat, true, "Unrolled, equal areas"]].map(([maps, unrolled, title]) => {
-      const p = { maps, flat: unrolled, title: () => title, marks: [], canvas: make("canvas", { id: unrolled ? "flat" : "solid", tabindex: "0", role: "img" }) };
-      p.element = make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: title })), p.canvas);
+      const p = { maps, flat: unrolled, title: () => title, marks: [], canvas: makeMapCanvas(unrolled ? "flat" : "solid") };
+      p.element = makePanel([make("h3", { text: title })], p.canvas);
       if (maps.fault) p.canvas.hidden = true;
       place.append(p.element);
       return p;
     });
     readout = make("div", { class: "readout", id: "map-readout" });
     const bar = make("div", { class: "bars" }, make("canvas", { id: "map-bar" }));
-    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!player.on) }),
-      make("input", { id: "map-state", type: "range", min: "0", max: String(Report.study.states - 1), step: "1", value: "0", "aria-label": "State", oninput: (e) => { play(false); setState(Number(e.target.value)); } }), make("output", { id: "map-time" }));
-    if (Report.study.states < 2) { time.querySelector("button").hidden = true; time.querySelector("input").hidden = true; }
+    const time = makeTimeBar(["map-play", "map-state", "map-time"], "Play over the states", Report.study.states, 0, () => play(!player.on), (k) => { play(false); setState(k); });
     host.append(place, bar, readout, time);
     for (const note of about.notes) host.append(make("p", { class: "keys", text: note.charAt(0).toUpperCase() + note.slice(1) + "." }));
     host.append(make("p", { class: "keys", text: "Drag turns, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets. Pressures at the nodes of the surface with springs, in the reference configuration. In a state the edge of contact encloses as much area as the facets with pressure have; what is summed over states is shown wherever a node had pressure." }));
@@ -331,7 +319,7 @@ const StudyMaps = (() => {
     if (kind === "png") return Figures.saveCanvas(canvas, name);
     const { svg, svgns } = Figures.tools, out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
     out.append(svg("image", { width, height, href: canvas.toDataURL("image/png") }));
-    Figures.save(new Blob(['<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(out)], { type: "image/svg+xml" }), name + ".svg");
+    Figures.saveSvg(out, name);
   }
 
   async function start(host, thePage) {
