@@ -80,14 +80,14 @@ double closing_motion(const Problem& problem, const Evaluation& e, const VectorX
   return largest;
 }
 
-Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
+bool advance(Problem& problem, Evaluation& e, VectorXd direction) {
   const double unit = surface_motion(problem, e, direction);
-  if (unit <= 0) return {false, std::move(e)};
+  if (unit <= 0) return false;
   direction /= unit;
   const double cap = 0.5 * problem.beds.least_thickness;
   for (int i = 0; i < 20 && !touching(e); ++i) {
     const double gap = first_touch(problem, e, direction);
-    if (!std::isfinite(gap)) return {false, std::move(e)};
+    if (!std::isfinite(gap)) return false;
     auto poses = poses_after(problem, e, (gap + 1e-3 * cap) * direction);
     if (!poses) break;
     const VectorXd all = on_all_dofs(problem, e, direction);
@@ -95,7 +95,7 @@ Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
     direction = motion_at_new_pose(problem, e, all);
     if (too_deep_area(problem, e) > 0) break;
   }
-  if (!touching(e)) return {false, std::move(e)};
+  if (!touching(e)) return false;
   // The contact's force grows about like the square of the depth: a few steps bring it near the load.
   const double driving = direction.dot(scaled_residual(problem, e));
   double depth = 1e-3 * cap;
@@ -115,10 +115,10 @@ Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
     direction = motion_at_new_pose(problem, e, all);
     depth += step;
   }
-  return {true, std::move(e)};
+  return true;
 }
 
-Approach back_out(Problem& problem, Evaluation e) {
+bool back_out(Problem& problem, Evaluation& e) {
   for (int i = 0; i < 40 && too_deep_area(problem, e) > 0; ++i) {
     VectorXd push = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
     double depth = 0.0;
@@ -141,8 +141,7 @@ Approach back_out(Problem& problem, Evaluation e) {
     if (!poses) break;
     e = evaluate(problem, std::move(*poses));
   }
-  const bool found = too_deep_area(problem, e) == 0;
-  return {found, std::move(e)};
+  return too_deep_area(problem, e) == 0;
 }
 
 }  // namespace dea

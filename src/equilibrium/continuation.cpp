@@ -213,8 +213,8 @@ Solution searched_from(Problem& problem, const std::vector<Pose>& start, const E
   problem.tolerance = tolerance_after(1.0);
   Evaluation e = evaluate(problem, start);
   if (too_deep_area(problem, e) > 0) {
-    Approach out = back_out(problem, e);
-    if (out.found) e = std::move(out.at);
+    Evaluation out = e;
+    if (back_out(problem, out)) e = std::move(out);
   }
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
