@@ -177,6 +177,12 @@ Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
   return argument(option, text, parse_vector);
 }
 
+Eigen::Vector3d direction_argument(const char* option, const std::string& text) {
+  const Eigen::Vector3d v = vector_argument(option, text);
+  if (!(v.norm() > 0)) throw wrong_word(option, text, "a direction that is not 0");
+  return v;
+}
+
 bool read_region_layout(const std::string& word, RegionLayout& layout) {
   const std::string sectors = "sectors=";
   if (word == "socket")

@@ -79,6 +79,7 @@ int count_argument(const char* option, const std::string& text, int least, int m
 double number_argument(const char* option, const std::string& text);
 double positive_argument(const char* option, const std::string& text);
 Eigen::Vector3d vector_argument(const char* option, const std::string& text);
+Eigen::Vector3d direction_argument(const char* option, const std::string& text);  ///< longer than 0
 
 /// Is this word of --regions one of a layout, which is then set: "socket", "anterior-superior-posterior", "sectors=6"?
 bool read_region_layout(const std::string& word, RegionLayout& layout);
