@@ -13,6 +13,7 @@
 #include "src/base/parse.h"
 #include "src/model/settings.h"
 #include "src/run/analysis.h"
+#include "src/study/plan.h"
 #include "src/study/regions.h"
 
 namespace dea {
@@ -33,6 +34,9 @@ struct ModelArguments {
 /// All of setting_options, but for those of the names `without`; --settings, --threads.
 void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::string& threads,
                          const std::vector<std::string>& without = {});
+
+/// Names and texts of those that were given, in the order of the line.
+std::vector<CaseOption> in_their_order(const SettingsArguments& given);
 
 /// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
 /// the file says of output files and states; nullptr: of no interest.

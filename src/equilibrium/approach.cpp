@@ -14,33 +14,31 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// By a motion of all dofs, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
-/// face nothing.
-std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& all) {
-  const SpringStates& s = e.springs[contact];
-  const SpringBed& bed = problem.beds.beds[contact];
-  const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-  const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
-  const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
-  std::vector<double> opened(at(s.size()), 0.0);
-  for (std::size_t k = 0; k < opened.size(); ++k) {
-    if (s.triangle[k] < 0) continue;
-    const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
-    opened[k] = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);
+/// By a motion of the unknowns, to first order (E2): calls `look(springs, k, change)` with the change of the gap of
+/// each spring k that faces something.
+template <class Look>
+void for_gap_changes(const Problem& problem, const Evaluation& e, const VectorXd& motion, const Look& look) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const SpringBed& bed = problem.beds.beds[c];
+    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
+    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
+    for (std::size_t k = 0; k < s.gap.size(); ++k) {
+      if (s.triangle[k] < 0) continue;
+      const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
+      look(s, k, s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]));
+    }
   }
-  return opened;
 }
 
 /// How far along `direction` (a motion of the unknowns) the first spring closes, to first order: infinity if none does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  const VectorXd all = on_all_dofs(problem, e, direction);
   double first = kInfinity;
-  for (std::size_t c = 0; c < e.springs.size(); ++c) {
-    const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, all);
-    for (std::size_t k = 0; k < opened.size(); ++k)
-      if (s.coverage[k] > 0 && opened[k] < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -opened[k]);
-  }
+  for_gap_changes(problem, e, direction, [&](const SpringStates& s, std::size_t k, double change) {
+    if (s.coverage[k] > 0 && change < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -change);
+  });
   return first;
 }
 
@@ -69,14 +67,10 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
 }
 
 double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
-  const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
-  for (std::size_t c = 0; c < e.springs.size(); ++c) {
-    const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, all);
-    for (std::size_t k = 0; k < opened.size(); ++k)
-      if (s.pressure[k] > 0) largest = std::max(largest, std::abs(opened[k]));
-  }
+  for_gap_changes(problem, e, motion, [&](const SpringStates& s, std::size_t k, double change) {
+    if (s.pressure[k] > 0) largest = std::max(largest, std::abs(change));
+  });
   return largest;
 }
 
