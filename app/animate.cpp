@@ -90,7 +90,7 @@ class Encoder {
 
   std::string path_;
   int said_;
-  const IgnoredBrokenPipe broken_pipe_;
+  const std::shared_ptr<void> broken_pipe_ = ignore_broken_pipe();
   int child_ = 0;
   int pipe_ = -1;
 };

@@ -131,7 +131,7 @@ int build(const BuildArguments& a) {
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
   report.findings = read_loads(inputs);
-  for (std::string& finding : read_surfaces(inputs)) report.findings.push_back(std::move(finding));
+  for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);

@@ -255,9 +255,9 @@ double scale_of(const BuildArguments& a) {
 }
 
 /// Bones of a joint are some cm to some dm long. What was taken for granted; empty: nothing.
-std::string refuse_size(const BuildSources& sources, const BuildRequest& request) {
+std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
   const double size = size_of_bones(request.bones);
-  if (sources.scale_given) {
+  if (!a.units.empty() || !a.scale.empty()) {
     constexpr double kLeast = 0.5, kMost = 10000;  // a finger's joint of a mouse, a whale's jaw
     if (size >= kLeast && size <= kMost) return "";
     throw InputError(
@@ -371,9 +371,9 @@ void read_points(const std::string& path, const BuildSources& sources, Cartilage
   }
 }
 
-void read_all_landmarks(const BuildSources& sources, AnatomyRequest& anatomy, std::vector<std::string>& findings) {
+void read_all_landmarks(const BuildArguments& a, AnatomyRequest& anatomy, std::vector<std::string>& findings) {
   std::string axes;
-  for (const std::string& path : sources.landmarks) {
+  for (const std::string& path : a.landmarks) {
     const LandmarkFile file = read_landmarks(path);
     if (!axes.empty() && !file.axes.empty() && axes != file.axes)
       throw InputError(path, 0,
@@ -382,12 +382,12 @@ void read_all_landmarks(const BuildSources& sources, AnatomyRequest& anatomy, st
     for (Landmark l : file.landmarks) {
       l.point *= anatomy.landmark_scale;
       l.file = path;
-      if (sources.flip_landmarks) l.point.head<2>() *= -1;
+      if (a.flip_landmarks) l.point.head<2>() *= -1;
       anatomy.landmarks.push_back(l);
     }
     findings.push_back(fmt::format("landmarks: {}: {}{}{}", path, file.landmarks.size(),
                                    file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
-                                   sources.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
+                                   a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
   }
 }
 
@@ -398,7 +398,6 @@ BuildInputs build_inputs(const BuildArguments& a) {
   BuildRequest& request = inputs.request;
   BuildSources& sources = inputs.sources;
   sources.scale = scale_of(a);
-  sources.scale_given = !a.units.empty() || !a.scale.empty();
   sources.mirrors = mirrors_of(a);
   for (const std::string& text : a.bones) {
     const Named n = named("bone", text, "NAME=FILE");
@@ -450,10 +449,8 @@ BuildInputs build_inputs(const BuildArguments& a) {
     sources.regions.push_back({static_cast<std::size_t>(c - request.cartilages.begin()), n.value});
     inputs.files.push_back({"--region", n.value});
   }
-  sources.landmarks = a.landmarks;
   inputs.anatomy.landmark_scale =
       a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
-  sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
   request.wording = command_line_wording();
   add_loads(a, inputs);
@@ -490,7 +487,7 @@ std::vector<std::string> read_loads(BuildInputs& inputs) {
   return findings;
 }
 
-std::vector<std::string> read_surfaces(BuildInputs& inputs) {
+std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {
   std::vector<std::string> findings;
   BuildRequest& request = inputs.request;
   const BuildSources& sources = inputs.sources;
@@ -503,7 +500,7 @@ std::vector<std::string> read_surfaces(BuildInputs& inputs) {
     findings.push_back(
         "all surfaces completed by their mirror images: forces are those of the whole joint, of each of its parts 1/" +
         std::to_string(std::size_t{1} << sources.mirrors.size()));
-  const std::string units = refuse_size(sources, request);
+  const std::string units = refuse_size(a, request);
   if (!units.empty()) findings.push_back(units);
   const auto bone_name = [&](const CartilageRequest& c) { return request.bones[at(c.bone)].name; };
   for (const CartilageFile& file : sources.outer) {
@@ -515,7 +512,7 @@ std::vector<std::string> read_surfaces(BuildInputs& inputs) {
     CartilageRequest& c = request.cartilages[file.cartilage];
     c.region->surface = read_mended(file.path, sources, bone_name(c) + " region", findings).surface;
   }
-  read_all_landmarks(sources, inputs.anatomy, findings);
+  read_all_landmarks(a, inputs.anatomy, findings);
   return findings;
 }
 

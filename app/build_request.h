@@ -25,13 +25,10 @@ struct CartilageFile {
 
 /// What is to be read, and how.
 struct BuildSources {
-  double scale = 1.0;        ///< of all coordinates, to mm; of landmarks: AnatomyRequest::landmark_scale
-  bool scale_given = false;  ///< else the bones' size has to fit
+  double scale = 1.0;  ///< of all coordinates, to mm; of landmarks: AnatomyRequest::landmark_scale
   std::vector<MirrorPlane> mirrors;
   std::vector<std::string> bones;  ///< as the request's
   std::vector<CartilageFile> outer, places, regions;
-  std::vector<std::string> landmarks;
-  bool flip_landmarks = false;
   LoadTable loads;  ///< no file: none
 };
 
@@ -52,6 +49,6 @@ std::vector<std::string> read_loads(BuildInputs& inputs);
 
 /// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
 /// InputError.
-std::vector<std::string> read_surfaces(BuildInputs& inputs);
+std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
 
 }  // namespace dea

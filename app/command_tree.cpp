@@ -19,7 +19,9 @@ OptionWords option_words(const CLI::Option& option) {
   return words;
 }
 
-CommandWords command_words(const CLI::App& app) {
+}  // namespace
+
+CommandWords command_tree(const CLI::App& app) {
   CommandWords words;
   words.name = app.get_name();
   words.help = app.get_description();
@@ -34,15 +36,9 @@ CommandWords command_words(const CLI::App& app) {
       if (!option->get_positional() && option->get_group() == group) words.options.push_back(option_words(*option));
   }
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    words.commands.push_back(command_words(*command));
+    words.commands.push_back(command_tree(*command));
   return words;
 }
-
-bool begins_with(const std::string& text, const char* beginning) { return text.rfind(beginning, 0) == 0; }
-
-}  // namespace
-
-CommandWords command_tree(const CLI::App& app) { return command_words(app); }
 
 ValueWords value_words(const std::string& value) {
   ValueWords result;
@@ -50,7 +46,7 @@ ValueWords value_words(const std::string& value) {
     const std::string name = part.substr(part.rfind('=') + 1);  // NAME=FILE, [SURFACE=]FILE
     const std::size_t dot = name.rfind('.');
     const bool ending = dot != name.npos && dot > 0 && dot + 1 < name.size() && name[dot - 1] != '.';  // check.xplt
-    if (name.find(',') == name.npos && (begins_with(name, "FILE") || name == "DIR" || name == "FOLDER" || ending))
+    if (name.find(',') == name.npos && (name.starts_with("FILE") || name == "DIR" || name == "FOLDER" || ending))
       result.file = true;
     else if (part.find_first_of("=,:/.[{\" ") == part.npos && part != "-" &&
              std::any_of(part.begin(), part.end(), [](unsigned char c) { return std::islower(c) || std::isdigit(c); }))

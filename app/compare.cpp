@@ -61,12 +61,6 @@ Examples:
 
 constexpr const char* kLayouts = "socket|anterior-superior-posterior|sectors=N";
 
-Vector3d direction_argument(const char* option, const std::string& text) {
-  const Vector3d v = vector_argument(option, text);
-  if (!(v.norm() > 0)) throw wrong_word(option, text, "a direction that is not 0");
-  return v;
-}
-
 CompareOptions compare_options(const CompareArguments& a) {
   CompareOptions o;
   if (!a.at.empty()) o.at = number_argument("at", a.at);

@@ -73,6 +73,17 @@ void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::s
            "Number of threads; results do not depend on it [all cores]");
 }
 
+std::vector<CaseOption> in_their_order(const SettingsArguments& given) {
+  std::vector<CaseOption> options;
+  std::map<std::string, std::size_t> seen;
+  for (const std::string& name : given.order) {
+    const std::vector<std::string>& texts = given.values.at(name);
+    const std::size_t i = seen[name]++;
+    if (i < texts.size()) options.push_back({name, texts[i]});
+  }
+  return options;
+}
+
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs) {
   Settings settings;
   if (!arguments.file.empty()) {
@@ -82,12 +93,8 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   }
   try {
     std::vector<SettingValue> values;
-    std::map<std::string, std::size_t> seen;
-    for (const std::string& name : arguments.order) {
-      const std::vector<std::string>& texts = arguments.values.at(name);
-      const std::size_t i = seen[name]++;
-      if (i < texts.size()) values.push_back(split_key(*find_setting_option(name), texts[i]));
-    }
+    for (const auto& [name, text] : in_their_order(arguments))
+      values.push_back(split_key(*find_setting_option(name), text));
     lay_over(settings, values);
   } catch (const BadValue& e) {
     throw UsageError(e.what());
@@ -175,6 +182,12 @@ double positive_argument(const char* option, const std::string& text) {
 
 Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
   return argument(option, text, parse_vector);
+}
+
+Eigen::Vector3d direction_argument(const char* option, const std::string& text) {
+  const Eigen::Vector3d v = vector_argument(option, text);
+  if (!(v.norm() > 0)) throw wrong_word(option, text, "a direction that is not 0");
+  return v;
 }
 
 bool read_region_layout(const std::string& word, RegionLayout& layout) {

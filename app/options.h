@@ -13,6 +13,7 @@
 #include "src/base/parse.h"
 #include "src/model/settings.h"
 #include "src/run/analysis.h"
+#include "src/study/plan.h"
 #include "src/study/regions.h"
 
 namespace dea {
@@ -33,6 +34,9 @@ struct ModelArguments {
 /// All of setting_options, but for those of the names `without`; --settings, --threads.
 void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::string& threads,
                          const std::vector<std::string>& without = {});
+
+/// Names and texts of those that were given, in the order of the line.
+std::vector<CaseOption> in_their_order(const SettingsArguments& given);
 
 /// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
 /// the file says of output files and states; nullptr: of no interest.
@@ -79,6 +83,7 @@ int count_argument(const char* option, const std::string& text, int least, int m
 double number_argument(const char* option, const std::string& text);
 double positive_argument(const char* option, const std::string& text);
 Eigen::Vector3d vector_argument(const char* option, const std::string& text);
+Eigen::Vector3d direction_argument(const char* option, const std::string& text);  ///< longer than 0
 
 /// Is this word of --regions one of a layout, which is then set: "socket", "anterior-superior-posterior", "sectors=6"?
 bool read_region_layout(const std::string& word, RegionLayout& layout);

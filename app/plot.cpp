@@ -48,8 +48,7 @@ Examples:
 double number_option(const char* option, const std::string& text, double least, double most) {
   const double x = number_argument(option, text);
   if (!(x >= least && x <= most))
-    throw UsageError(
-        fmt::format("--{} {}: found \"{}\", expected a number from {:g} to {:g}", option, text, text, least, most));
+    throw wrong_word(option, text, fmt::format("a number from {:g} to {:g}", least, most));
   return x;
 }
 
@@ -91,7 +90,7 @@ MapOptions map_options(const PlotArguments& a) {
     throw UsageError("--min and --minus: found both; a difference's scale goes from -max to max");
   if (o.high && !a.minus.empty() && !(*o.high > 0)) throw wrong_word("max", a.high, "a difference above 0");
   if (o.high && !(*o.high > o.low.value_or(-1e300)))
-    throw UsageError(fmt::format("--max {}: found \"{}\", expected more than --min {}", a.high, a.high, a.low));
+    throw wrong_word("max", a.high, fmt::format("more than --min {}", a.low));
   if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
     throw wrong_word("scale", a.scale, "all or shown", {"all", "shown"});
   o.scale_of_shown = a.scale == "shown";

@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <thread>
 
@@ -11,6 +10,7 @@
 #include "app/interrupt.h"
 #include "app/process.h"
 #include "io/files/encoded_text.h"
+#include "io/files/free_memory.h"
 #include "io/files/output.h"
 #include "io/files/system.h"
 #include "src/base/error.h"
@@ -34,12 +34,8 @@ Examples:
   dea plugin-build /opt/febio
   dea plugin-build ~/FEBioStudio -o ~/FEBioStudio/lib -v)";
 
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
+/// Empty: it cannot be read.
+std::string text_of(const fs::path& path) { return whole_file(path, 1).value_or(""); }
 
 /// Where the plugin's source and the library are: installed beside this program, or the folder it was built in, which
 /// has them to install.

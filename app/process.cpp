@@ -128,10 +128,10 @@ void handle_interrupts(void (*handler)(int signal)) {
   for (const int signal : {SIGINT, SIGQUIT, SIGTERM, SIGHUP}) handle(signal, handler);
 }
 
-// By a handler that does nothing: other than SIG_IGN, it does not pass on to what is started.
-IgnoredBrokenPipe::IgnoredBrokenPipe() : before_(handle(SIGPIPE, [](int) {})) {}
-
-IgnoredBrokenPipe::~IgnoredBrokenPipe() { handle(SIGPIPE, before_); }
+std::shared_ptr<void> ignore_broken_pipe() {
+  // by a handler that does nothing: other than SIG_IGN, it does not pass on to what is started
+  return {nullptr, [before = handle(SIGPIPE, [](int) {})](void*) { handle(SIGPIPE, before); }};
+}
 
 void outlive_file_size_limit() { std::signal(SIGXFSZ, SIG_IGN); }
 

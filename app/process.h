@@ -1,6 +1,7 @@
 // app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,18 +36,9 @@ void kill_group();
 inline constexpr int kNotFound = 127;
 void kill_program(int process);
 
-/// A pipe that nobody reads any more does nothing to this program for as long as this lives, but to what it starts
-/// meanwhile: writing fails.
-class IgnoredBrokenPipe {
- public:
-  IgnoredBrokenPipe();
-  ~IgnoredBrokenPipe();
-  IgnoredBrokenPipe(const IgnoredBrokenPipe&) = delete;
-  IgnoredBrokenPipe& operator=(const IgnoredBrokenPipe&) = delete;
-
- private:
-  void (*before_)(int);
-};
+/// A pipe that nobody reads any more does nothing to this program for as long as the result lives, but to what it
+/// starts meanwhile: writing fails.
+[[nodiscard]] std::shared_ptr<void> ignore_broken_pipe();
 
 /// From here on SIGINT, SIGQUIT, SIGTERM and SIGHUP call it; one that the program was started without (nohup) stays
 /// ignored.

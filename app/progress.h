@@ -28,8 +28,6 @@ class Progress {
   /// `write` and `clock` [s] stand for standard error and the computer's clock; no thread: tick() is yours.
   Progress(ProgressStyle style, std::function<void(const std::string&)> write, std::function<double()> clock);
   ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   /// Begins: "reading hip.feb", or step `done` + 1 of `total` (0: nobody knows): "state 4 of 23", and within it
   /// "iteration 2". `details` stand on their own line in style Every, unless they are empty.

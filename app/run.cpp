@@ -82,20 +82,6 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
 
 namespace {
 
-std::vector<NamedPath> run_inputs(const RunArguments& a, const Settings& settings) {
-  std::vector<NamedPath> inputs = input_files(a, settings);
-  if (!a.times_from.empty()) inputs.insert(inputs.begin() + 1, {"the FEA result", a.times_from});
-  return inputs;
-}
-
-RunOptions run_options(const RunArguments& a, const OutputSettings& typed, const OutputSettings& file) {
-  RunOptions options;
-  options.outputs = over(typed, file);
-  options.times_from = a.times_from;
-  options.compress = a.compress;
-  return options;
-}
-
 void begin(Progress& progress, const std::string& what) { progress.now(what, "", what); }
 
 /// `options` and `progress` live as long as the run.
@@ -190,7 +176,10 @@ int run(const RunArguments& a) {
   typed.states_given = "--states " + typed.states;
   Settings settings = effective_settings(a.settings, &file);
   name_plot_file(a, typed, file);
-  RunOptions options = run_options(a, typed, file);
+  RunOptions options;
+  options.outputs = over(typed, file);
+  options.times_from = a.times_from;
+  options.compress = a.compress;
   const std::string &output = options.outputs.output, &page = options.outputs.report;
   const std::string output_option = given_as(&OutputSettings::output, typed);
   require_page_name(given_as(&OutputSettings::report, typed), page);
@@ -199,7 +188,8 @@ int run(const RunArguments& a) {
   Progress progress(progress_style(quiet, a.verbose));
   begin(progress, "reading " + file_name(a.model));
   JointModel read = read_feb(a.model);
-  std::vector<NamedPath> files = run_inputs(a, settings);
+  std::vector<NamedPath> files = input_files(a, settings);
+  if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());

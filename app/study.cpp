@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "app/commands.h"
@@ -83,24 +82,12 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
 
 namespace {
 
-/// Names and texts in the order of the line.
-std::vector<CaseOption> options_of_line(const SettingsArguments& given) {
-  std::vector<CaseOption> options;
-  std::map<std::string, std::size_t> seen;
-  for (const std::string& name : given.order) {
-    const std::vector<std::string>& texts = given.values.at(name);
-    const std::size_t i = seen[name]++;
-    if (i < texts.size()) options.push_back({name, texts[i]});
-  }
-  return options;
-}
-
 /// All of the line but its shard and what is kept. Whatever can be wrong with it is found here, before anything is
 /// solved. Throws UsageError, InputError.
 Study study_of(const StudyArguments& a, Progress& progress) {
   StudyRequest request;
   request.models = a.files;
-  request.options = options_of_line(a.settings);
+  request.options = in_their_order(a.settings);
   request.cases = a.cases;
   request.sample = a.sample;
   request.count = a.count;

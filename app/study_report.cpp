@@ -17,21 +17,14 @@ namespace dea {
 
 namespace {
 
-Vector3d direction(const char* option, const std::string& text) {
-  const Vector3d v = vector_argument(option, text);
-  if (!(v.norm() > 0))
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
-  return v;
-}
-
 StudyRegionOptions region_options(const StudyArguments& a) {
   StudyRegionOptions o;
   if (!a.regions.empty() && !read_region_layout(a.regions, o))
     throw wrong_word("regions", a.regions, "socket, anterior-superior-posterior or sectors=N",
                      {"socket", "anterior-superior-posterior", "sectors=6"});
-  if (!a.up.empty()) o.up = direction("up", a.up);
-  if (!a.anterior.empty()) o.anterior = direction("anterior", a.anterior);
-  if (!a.axis.empty()) o.axis = direction("axis", a.axis);
+  if (!a.up.empty()) o.up = direction_argument("up", a.up);
+  if (!a.anterior.empty()) o.anterior = direction_argument("anterior", a.anterior);
+  if (!a.axis.empty()) o.axis = direction_argument("axis", a.axis);
   if (!a.center.empty()) o.center = vector_argument("center", a.center);
   if (o.any() && !o.up) throw UsageError("--regions needs --up x,y,z, the direction to the top");
   if (o.needs_anterior() && !o.anterior)
@@ -44,9 +37,7 @@ StudyRegionOptions region_options(const StudyArguments& a) {
 void read_dose_options(const StudyArguments& a, StudyMapOptions& o) {
   if (!a.dose_above.empty()) {
     o.dose_above = number_argument("dose-above", a.dose_above);
-    if (!(*o.dose_above >= 0))
-      throw UsageError(
-          fmt::format("--dose-above {}: found \"{}\", expected a pressure of 0 or more", a.dose_above, a.dose_above));
+    if (!(*o.dose_above >= 0)) throw wrong_word("dose-above", a.dose_above, "a pressure of 0 or more");
   }
   if (!a.cycles_per_year.empty()) o.cycles_per_year = positive_argument("cycles-per-year", a.cycles_per_year);
   if (!a.years.empty()) o.years = positive_argument("years", a.years);

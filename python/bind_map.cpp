@@ -21,17 +21,11 @@ namespace {
 
 using namespace py::literals;
 
-/// What a map is of, as Python says it.
-struct AskedMap {
-  std::string field, surface, states;
-  bool smooth = false, unrolled = false;
-};
-
 using File = std::shared_ptr<ResultFile>;
 
 /// A result as the file that it would be written to.
 std::shared_ptr<ResultFile> file_of(const std::shared_ptr<Analysed>& a) {
-  return result_of<ResultFile>([a](Work&) {
+  return result_of([a](Work&) {
     const JointModel& model = a->recognised->recognition.model;
     return std::make_shared<ResultFile>(ResultFile{model.files.front(), "dea", make_plot_file(model, a->analysis)});
   });
@@ -39,40 +33,35 @@ std::shared_ptr<ResultFile> file_of(const std::shared_ptr<Analysed>& a) {
 
 /// Of several files side by side, with one scale; `labels`: what they are called, one each, or none.
 std::shared_ptr<MapFigure> figure_of(const std::vector<File>& files, const std::vector<std::string>& labels,
-                                     const AskedMap& asked) {
-  return result_of<MapFigure>([files, labels, asked](Work&) {
+                                     const std::string& field, const std::string& surface, const std::string& states,
+                                     bool smooth, bool unrolled) {
+  MapOptions options;
+  options.field = field;
+  if (!surface.empty()) options.surfaces = {surface};
+  options.states = states;
+  options.states_option = python_wording()(NamedSetting{"states", "", states});
+  options.smooth = smooth;
+  options.unrolled = unrolled;
+  return result_of([files, labels, options](Work&) {
     std::vector<ResultFile> shown;
     for (const File& file : files) shown.push_back(*file);
     for (std::size_t i = 0; i < labels.size(); ++i) shown[i].label = labels[i];
-    MapOptions options;
-    options.field = asked.field;
-    if (!asked.surface.empty()) options.surfaces = {asked.surface};
-    options.states = asked.states;
-    options.states_option = python_wording()(NamedSetting{"states", "", asked.states});
-    options.smooth = asked.smooth;
-    options.unrolled = asked.unrolled;
     return std::make_shared<MapFigure>(make_map_figure(shown, nullptr, options));
   });
 }
 
-/// What a picture is to look like, as Python says it.
-struct AskedPicture {
-  std::string path, format;  ///< path empty: it is not written
-  double width = 0.0, dpi = 0.0;
-};
-
-py::bytes picture_of(const std::vector<File>& files, const std::vector<std::string>& labels, const AskedPicture& look,
-                     const AskedMap& asked) {
-  const std::shared_ptr<MapFigure> figure = figure_of(files, labels, asked);
-  return *result_of<std::string>([figure, look](Work&) {
-    PictureOptions options;
-    options.format = look.format == "svg"   ? PictureFormat::Svg
-                     : look.format == "pdf" ? PictureFormat::Pdf
-                                            : PictureFormat::Png;
-    options.width = look.width;
-    options.dpi = look.dpi;
-    const auto drawn = std::make_shared<std::string>(picture(*figure, options));
-    if (!look.path.empty()) write_text(look.path, *drawn);
+/// `path` empty: it is not written.
+py::bytes picture_of(const std::vector<File>& files, const std::vector<std::string>& labels, const std::string& path,
+                     const std::string& format, double width, double dpi, const std::string& field,
+                     const std::string& surface, const std::string& states, bool smooth, bool unrolled) {
+  const std::shared_ptr<MapFigure> figure = figure_of(files, labels, field, surface, states, smooth, unrolled);
+  PictureOptions look;
+  look.format = format == "svg" ? PictureFormat::Svg : format == "pdf" ? PictureFormat::Pdf : PictureFormat::Png;
+  look.width = width;
+  look.dpi = dpi;
+  return result_of([figure, path, look](Work&) {
+    std::string drawn = picture(*figure, look);
+    if (!path.empty()) write_text(path, drawn);
     return drawn;
   });
 }
@@ -145,14 +134,10 @@ py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
 
 void bind_map(py::module_& m) {
   m.def("plot_file_of", &file_of);
-  m.def("picture", [](const std::vector<File>& files, const std::vector<std::string>& labels, const std::string& path,
-                      const std::string& format, double width, double dpi, const std::string& field,
-                      const std::string& surface, const std::string& states, bool smooth, bool unrolled) {
-    return picture_of(files, labels, {path, format, width, dpi}, {field, surface, states, smooth, unrolled});
-  });
+  m.def("picture", &picture_of);
   m.def("map_of", [](const File& file, const std::string& field, const std::string& surface, const std::string& states,
                      bool smooth, bool unrolled) {
-    return figure_dict(figure_of({file}, {}, {field, surface, states, smooth, unrolled}));
+    return figure_dict(figure_of({file}, {}, field, surface, states, smooth, unrolled));
   });
 }
 

@@ -49,7 +49,7 @@ struct PlotSurfaceView {
 };
 
 File read_plot(const std::string& path, bool partial) {
-  return result_of<ResultFile>([path, partial](Work&) {
+  return result_of([path, partial](Work&) {
     const auto file = std::make_shared<ResultFile>(read_result(path, std::filesystem::path(path).stem().string()));
     if (file->xplt.truncated && !partial)
       throw InputError(

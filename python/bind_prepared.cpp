@@ -27,7 +27,7 @@ namespace {
 using Joint_ = std::shared_ptr<PreparedJoint>;
 
 Joint_ prepare_joint(const std::shared_ptr<Recognised>& recognised) {
-  return result_of<PreparedJoint>([recognised](Work& work) {
+  return result_of([recognised](Work& work) {
     throw_if_any(recognised->recognition.faults);
     spring_cost_note(recognised->recognition, python_wording());
     const auto joint = std::make_shared<PreparedJoint>();
@@ -231,7 +231,7 @@ StateView solve_joint(const Joint_& joint, const std::string& body, const py::ob
   const LoadCase load_case = load_case_of(*joint, settings, placed);
   const std::vector<Pose> poses = free_start(*joint, load_case, placed, with_poses(*joint, placed, start, "start"),
                                              py::isinstance<py::dict>(start));
-  const auto solved = result_of<SolvedLoad>(
+  const auto solved = result_of(
       [joint, load_case, poses, placed](Work& work) {
         return solved_load(joint, load_case, {poses, placed}, work);
       },
@@ -272,7 +272,7 @@ std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object&
     return std::make_shared<PressedJoint>(PressedJoint{joint, all, press(joint->prepared, all, options)});
   };
   if (is_quick(joint->prepared)) return unlocked([&] { return pressed(nullptr); });
-  return result_of<PressedJoint>([pressed](Work& work) { return pressed(&work.stop); });
+  return result_of([pressed](Work& work) { return pressed(&work.stop); });
 }
 
 struct PressedView {

@@ -118,7 +118,7 @@ std::vector<FileThen> files_now(const std::vector<std::string>& paths) {
 }
 
 std::shared_ptr<ReadModel> read_model(const std::string& path) {
-  return result_of<ReadModel>([path](Work&) {
+  return result_of([path](Work&) {
     const double start = seconds();
     const auto read = std::make_shared<ReadModel>();
     read->model = read_feb(path);
@@ -129,7 +129,7 @@ std::shared_ptr<ReadModel> read_model(const std::string& path) {
 }
 
 std::shared_ptr<Recognised> recognise_model(const std::shared_ptr<const ReadModel>& read, const SaidSettings& said) {
-  return result_of<Recognised>([read, said](Work&) {
+  return result_of([read, said](Work&) {
     const auto r = std::make_shared<Recognised>();
     JointModel model = read->model;
     r->read = read;
@@ -143,16 +143,12 @@ std::shared_ptr<Recognised> recognise_model(const std::shared_ptr<const ReadMode
 }
 
 std::string recognised_text(const std::shared_ptr<Recognised>& r) {
-  return *result_of<std::string>([r](Work&) {
-    return std::make_shared<std::string>(
-        printable(info_text(r->recognition.model, r->given, check_joint(r->recognition))));
-  });
+  return result_of(
+      [r](Work&) { return printable(info_text(r->recognition.model, r->given, check_joint(r->recognition))); });
 }
 
 Json recognised_json(const std::shared_ptr<Recognised>& r) {
-  return *result_of<Json>([r](Work&) {
-    return std::make_shared<Json>(info_json(r->recognition.model, r->given, check_joint(r->recognition)));
-  });
+  return result_of([r](Work&) { return info_json(r->recognition.model, r->given, check_joint(r->recognition)); });
 }
 
 VtkCells cells_of(const JointModel& model) {
@@ -213,7 +209,7 @@ std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<Recognised>& recog
   OutputSettings asked;
   asked.states = states;
   asked.states_given = python_wording()(NamedSetting{"states", "", states});
-  return result_of<Analysed>(
+  return result_of(
       [recognised, asked, times_from](Work& work) { return analysed(recognised, asked, times_from, work); }, progress);
 }
 

@@ -25,6 +25,7 @@ namespace dea::python {
 
 namespace {
 
+using namespace py::literals;
 using Numbers = std::vector<double>;
 using IntArray = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
@@ -61,13 +62,8 @@ ResultSurface surface_of(const DoubleArray& vertices, const IntArray& t) {
 }
 
 py::dict mean_map_dict(const MeanMap& m) {
-  py::dict d;
-  d["cases"] = m.cases;
-  d["mean"] = kept(m.mean);
-  d["standard_deviation"] = kept(m.standard_deviation);
-  d["area_mean"] = m.area_mean;
-  d["area_spread"] = m.area_spread;
-  return d;
+  return py::dict("cases"_a = m.cases, "mean"_a = kept(m.mean), "standard_deviation"_a = kept(m.standard_deviation),
+                  "area_mean"_a = m.area_mean, "area_spread"_a = m.area_spread);
 }
 
 py::tuple dose_of(const DoubleArray& times, const DoubleArray& pressures, double above,
@@ -116,7 +112,7 @@ std::optional<CaseTable> subjects_of(const py::object& given) {
 }
 
 Held held_numbers(const std::string& path, const py::object& given) {
-  return result_of<HeldNumbers>([path, subjects = subjects_of(given)](Work&) {
+  return result_of([path, subjects = subjects_of(given)](Work&) {
     StudyNumbers n = study_numbers_with(path, subjects);
     StudyDesign design = study_design(n);
     return std::make_shared<HeldNumbers>(HeldNumbers{std::move(n), std::move(design)});
@@ -159,14 +155,11 @@ py::object pairs_of_study(const HeldNumbers& h, const std::string& column, const
   return plain(j);
 }
 
-std::optional<Vector3d> direction(const py::dict& given, const char* name) {
-  if (!given.contains(name) || given[name].is_none()) return std::nullopt;
-  return vector_of(given[name].cast<std::array<double, 3>>());
-}
-
 StudyPageOptions page_options(const py::dict& given) {
-  const auto number = [&](const char* name) {
-    return given[name].is_none() ? std::nullopt : std::optional<double>(given[name].cast<double>());
+  const auto number = [&](const char* name) { return given[name].cast<std::optional<double>>(); };
+  const auto direction = [&](const char* name) -> std::optional<Vector3d> {
+    if (given[name].is_none()) return std::nullopt;
+    return vector_of(given[name].cast<std::array<double, 3>>());
   };
   StudyPageOptions o;
   o.names = {"group", "pair", "pair_by", "cycle_seconds"};
@@ -177,10 +170,10 @@ StudyPageOptions page_options(const py::dict& given) {
   o.maps.regions.socket = given["socket"].cast<bool>();
   o.maps.regions.thirds = given["thirds"].cast<bool>();
   o.maps.regions.sectors = given["sectors"].cast<int>();
-  o.maps.regions.up = direction(given, "up");
-  o.maps.regions.anterior = direction(given, "anterior");
-  o.maps.regions.axis = direction(given, "axis");
-  o.maps.regions.center = direction(given, "center");
+  o.maps.regions.up = direction("up");
+  o.maps.regions.anterior = direction("anterior");
+  o.maps.regions.axis = direction("axis");
+  o.maps.regions.center = direction("center");
   o.maps.dose_above = number("dose_above");
   o.maps.cycles_per_year = number("cycles_per_year");
   o.maps.years = number("years");
@@ -191,9 +184,7 @@ StudyPageOptions page_options(const py::dict& given) {
 
 py::list write_study_report(const std::string& study, const std::string& path, const py::dict& given) {
   const StudyPageOptions options = page_options(given);
-  return texts(*result_of<std::vector<std::string>>([study, path, options](Work&) {
-    return std::make_shared<std::vector<std::string>>(write_study_page(path, study, options));
-  }));
+  return texts(result_of([study, path, options](Work&) { return write_study_page(path, study, options); }));
 }
 
 void bind_numbers_of_studies(py::module_& m) {
@@ -248,13 +239,8 @@ void bind_statistics(py::module_& m) {
     const MeanMap first = mean_map(rows(a, "first"), numbers(areas)),
                   second = mean_map(rows(b, "second"), numbers(areas));
     const MapDifference d = map_difference(first, second, numbers(areas));
-    py::dict result;
-    result["first"] = mean_map_dict(first);
-    result["second"] = mean_map_dict(second);
-    result["difference"] = kept(d.difference);
-    result["area_mean"] = d.area_mean;
-    result["area_rms"] = d.area_rms;
-    return result;
+    return py::dict("first"_a = mean_map_dict(first), "second"_a = mean_map_dict(second),
+                    "difference"_a = kept(d.difference), "area_mean"_a = d.area_mean, "area_rms"_a = d.area_rms);
   });
   m.def("sectors", [](const DoubleArray& x, const std::array<double, 3>& center, const std::array<double, 3>& axis,
                       const std::array<double, 3>& start, int count) {

@@ -56,16 +56,6 @@ StudyRequest request_of(const std::vector<std::string>& models, const Pairs& opt
   return r;
 }
 
-Planned plan_here(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
-                  const std::array<std::string, 6>& texts) {
-  const StudyRequest request = request_of(models, options, table, texts);
-  return result_of<PlannedStudy>([request](Work&) {
-    Study study = plan_study(request);
-    take_digests(study);
-    return std::make_shared<PlannedStudy>(std::move(study));
-  });
-}
-
 /// Version, options, inputs: what other processes compare with.
 using Identity = std::tuple<std::string, std::vector<std::string>, std::vector<std::array<std::string, 2>>>;
 
@@ -74,29 +64,20 @@ Identity identity_of(const PlannedStudy& planned) {
   return {i.version, i.options, i.inputs};
 }
 
-/// `memory`: bytes for joints that are ready; 0: half of what is free.
-Planned plan_of_other(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
-                      const std::array<std::string, 6>& texts, const Identity& identity, double memory) {
+/// `identity`: of a study that another process has begun; nothing: this one does. `memory`: bytes for joints that are
+/// ready; 0: half of what is free.
+Planned planned_study(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
+                      const std::array<std::string, 6>& texts, const std::optional<Identity>& identity, double memory) {
   const StudyRequest request = request_of(models, options, table, texts);
-  return result_of<PlannedStudy>([request, identity, memory](Work&) {
+  return result_of([request, identity, memory](Work&) {
     Study study = plan_study(request);
-    take_identity(study, {std::get<0>(identity), std::get<1>(identity), std::get<2>(identity), 1, 1});
+    if (identity)
+      take_identity(study, {std::get<0>(*identity), std::get<1>(*identity), std::get<2>(*identity), 1, 1});
+    else
+      take_digests(study);
     if (memory > 0) study.options.memory = memory;
     return std::make_shared<PlannedStudy>(std::move(study));
   });
-}
-
-StudyOutput output_of(const std::string& path, const std::vector<std::string>& keep, const std::string& shard,
-                      bool overwrite, bool again) {
-  StudyOutput output;
-  output.option = "path";
-  output.path = path;
-  output.keep = keep;
-  output.shard = shard_of(shard);
-  output.overwrite = overwrite;
-  output.again = again;
-  output.remedy = "overwrite=True begins anew, another path makes another file";
-  return output;
 }
 
 /// A study's file that is being filled.
@@ -108,22 +89,23 @@ struct FilledStudy {
 };
 using Filled = std::shared_ptr<FilledStudy>;
 
-Filled open_file(const Planned& planned, const StudyOutput& output) {
-  return result_of<FilledStudy>(
+Filled open_file(const Planned& planned, const std::string& path, const std::vector<std::string>& keep,
+                 const std::string& shard, bool overwrite, bool again) {
+  StudyOutput output;
+  output.option = "path";
+  output.path = path;
+  output.keep = keep;
+  output.shard = shard_of(shard);
+  output.overwrite = overwrite;
+  output.again = again;
+  output.remedy = "overwrite=True begins anew, another path makes another file";
+  return result_of(
       [planned, output](Work&) { return std::make_shared<FilledStudy>(planned, open_study(planned->study, output)); });
 }
 
 Progress case_progress(std::size_t done, std::size_t total, const std::string& outcome) {
   return {.stage = "case", .state = done, .states = total, .outcome = outcome};
 }
-
-/// For as long as it lives the file is not closed.
-struct AtWork {
-  FilledStudy& file;
-  explicit AtWork(FilledStudy& f) : file(f) {}
-  AtWork(const AtWork&) = delete;
-  ~AtWork() { file.at_work = false; }
-};
 
 /// Gives the file free, whoever still holds the object; a thread that was left to itself gives it free at its end.
 void close_file(FilledStudy& file) {
@@ -137,7 +119,7 @@ void solve_here(const Filled& filled, int workers, const py::object& progress) {
   filled->at_work = true;
   run_work(
       [filled, workers](Work& work) {
-        const AtWork until_the_end(*filled);
+        const std::shared_ptr<void> until_the_end(nullptr, [&](void*) { filled->at_work = false; });
         OpenStudy& open = filled->open;
         open.options.stop = &work.stop;
         if (workers > 0) open.options.workers = workers;
@@ -179,7 +161,7 @@ std::shared_ptr<Batch> solved_batch(const PlannedStudy& planned, ReadyJoints& jo
 py::tuple solve_batch(const Planned& planned, bool keep_fields, const std::vector<std::size_t>& cases) {
   for (const std::size_t i : cases)
     if (i >= planned->study.plan.cases.size()) throw UsageError("found a case that the study has not");
-  const auto batch = result_of<Batch>([planned, keep_fields, cases](Work& work) {
+  const auto batch = result_of([planned, keep_fields, cases](Work& work) {
     return solved_batch(*planned, planned->joints, keep_fields, cases, work);
   });
   return py::make_tuple(py::bytes(batch->packed), batch->outcomes, batch->seconds);
@@ -229,11 +211,8 @@ void bind_study(py::module_& m) {
            [](const Filled& f, std::string packed) { unlocked([&] { f->open.writer->add(std::move(packed)); }); })
       .def("finish", [](const Filled& f) { unlocked([&] { f->open.writer->finish(); }); })
       .def("close", &close_file);
-  m.def("plan_study", &plan_here);
-  m.def("plan_study_of_other", &plan_of_other);
-  m.def("open_study", [](const Planned& planned, const std::string& path, const std::vector<std::string>& keep,
-                         const std::string& shard, bool overwrite,
-                         bool again) { return open_file(planned, output_of(path, keep, shard, overwrite, again)); });
+  m.def("plan_study", &planned_study);
+  m.def("open_study", &open_file);
   m.def("study_head", &head_of);
   m.def("case_progress", &case_progress);
 }

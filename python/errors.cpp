@@ -40,9 +40,7 @@ std::string value_words(const std::string& value) {
   if (!is_numbers(value)) return quoted(value);
   const std::vector<std::string> numbers = split_at_commas(value);
   if (numbers.size() == 1) return value;
-  std::string words;
-  for (const std::string& n : numbers) words += (words.empty() ? "" : ", ") + n;
-  return "(" + words + ")";
+  return fmt::format("({})", fmt::join(numbers, ", "));
 }
 
 /// ("pelvis", (0, 1, 0), 10)

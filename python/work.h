@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,12 +52,11 @@ void run_work(const std::function<void(Work&)>& job, const py::object& progress 
               std::chrono::milliseconds grace = std::chrono::milliseconds(500));
 
 /// The same for work with a result.
-template <class Result>
-std::shared_ptr<Result> result_of(const std::function<std::shared_ptr<Result>(Work&)>& make,
-                                  const py::object& progress = py::none()) {
-  const auto slot = std::make_shared<std::shared_ptr<Result>>();
-  run_work([slot, make](Work& work) { *slot = make(work); }, progress);
-  return *slot;
+template <class Make>
+auto result_of(const Make& make, const py::object& progress = py::none()) {
+  const auto slot = std::make_shared<std::optional<decltype(make(std::declval<Work&>()))>>();
+  run_work([slot, make](Work& work) { slot->emplace(make(work)); }, progress);
+  return std::move(**slot);
 }
 
 /// Short work that touches nothing of Python's: other threads go on meanwhile.

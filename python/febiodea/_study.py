@@ -104,14 +104,14 @@ class Study:
         self._request = (_paths(models), list(_options(keywords, vary)), None if in_file else table_in_memory(cases, "cases", "a case"),
                          [os.fsencode(cases or b"") if in_file else "", *_sample(sample), states_text(states),
                           os.fsencode(settings or b"")])
-        self._native = _febiodea.plan_study(*self._request)
+        self._native = _febiodea.plan_study(*self._request, None, 0.0)
 
     def __getstate__(self):
         return self._request
 
     def __setstate__(self, request):
         self._request = request
-        self._native = _febiodea.plan_study(*request)
+        self._native = _febiodea.plan_study(*request, None, 0.0)
 
     def __len__(self):
         return len(self._native)

@@ -28,7 +28,7 @@ def _study(digest, planned):
             while len(_studies) >= _MOST_STUDIES:
                 del _studies[next(iter(_studies))]
             request, identity = pickle.loads(planned)
-            _studies[digest] = _febiodea.plan_study_of_other(*request, identity, _memory())
+            _studies[digest] = _febiodea.plan_study(*request, identity, _memory())
         _studies[digest] = _studies.pop(digest)
         return _studies[digest]
 

@@ -60,7 +60,7 @@ std::vector<Thinned> clear_overlaps(std::vector<BuiltLayer>& layers, const std::
         overlap[l] = overlaps(layers, made, l, reach);
         // a triangle may overlap between its corners' rays: neighbours go along by half
         const std::vector<double> own = overlap[l];
-        const auto neighbours = point_neighbours(layers[l].face());
+        const auto neighbours = vertex_neighbours(own.size(), layers[l].triangles);
         for (std::size_t v = 0; v < own.size(); ++v)
           for (const int n : neighbours[v]) overlap[l][v] = std::max(overlap[l][v], 0.5 * own[at(n)]);
       }

@@ -76,7 +76,7 @@ struct Ends {
 
 /// Directions of bad vertices become the mean of their neighbours'; from the tenth round on they are shortened too.
 SheetChanges relax(BuiltLayer& layer, int elements_through, const Ends& ends) {
-  const auto neighbours = point_neighbours(layer.face());
+  const auto neighbours = vertex_neighbours(layer.articular.size(), layer.triangles);
   const std::vector<Vector3d> wanted = *ends.moving;
   std::vector<Vector3d>& moving = *ends.moving;
   const std::vector<Vector3d>& fixed = *ends.fixed;

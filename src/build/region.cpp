@@ -39,7 +39,7 @@ std::vector<double> depth_in(const TriangleSurface& bone, const GivenRegion& giv
 /// Connected points below zero that are no more than a quarter of what is above, and do not reach the surface's edge,
 /// are raised to `level`. Returns how many such holes there were.
 int fill_holes(const TriangleSurface& s, std::vector<double>& values, double level) {
-  const auto neighbours = point_neighbours(s);
+  const auto neighbours = vertex_neighbours(s.points.size(), s.triangles);
   const std::vector<double> areas = point_areas(s);
   const std::vector<char> rim = rim_points(s);
   double above = 0;
@@ -71,7 +71,7 @@ int fill_holes(const TriangleSurface& s, std::vector<double>& values, double lev
 /// A value within a fifth of an edge from where it passes zero: the point moves there.
 void snap_to_zero(TriangleSurface& s, std::vector<double>& values) {
   constexpr double kNear = 0.2;
-  const auto neighbours = point_neighbours(s);
+  const auto neighbours = vertex_neighbours(s.points.size(), s.triangles);
   const std::vector<Eigen::Vector3d> points = s.points;
   const std::vector<double> before = values;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -171,10 +171,6 @@ std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, cons
   return gaps;
 }
 
-std::vector<std::vector<int>> point_neighbours(const TriangleSurface& s) {
-  return vertex_neighbours(s.points.size(), s.triangles);
-}
-
 std::vector<double> point_areas(const TriangleSurface& s) {
   std::vector<double> areas(s.points.size(), 0.0);
   for (const Triangle& t : s.triangles) {
@@ -187,7 +183,7 @@ std::vector<double> point_areas(const TriangleSurface& s) {
 std::vector<double> smoothed(const TriangleSurface& s, std::vector<double> values, double length) {
   const double edge = mean_edge(s);
   const int steps = static_cast<int>(std::clamp(2 * length * length / (edge * edge), 0.0, 400.0));
-  auto neighbours = point_neighbours(s);
+  auto neighbours = vertex_neighbours(s.points.size(), s.triangles);
   const std::vector<char> rim = rim_points(s);
   for (std::size_t i = 0; i < neighbours.size(); ++i)
     if (rim[i])
@@ -281,7 +277,7 @@ BoneRegion find_region(const TriangleSurface& bone, const std::vector<double>& g
 }
 
 void fill_unknown(const TriangleSurface& s, std::vector<double>& values, double none) {
-  const auto neighbours = point_neighbours(s);
+  const auto neighbours = vertex_neighbours(s.points.size(), s.triangles);
   for (bool changed = true; changed;) {
     changed = false;
     const std::vector<double> before = values;

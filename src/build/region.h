@@ -33,9 +33,6 @@ std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& surface);
 std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& normals,
                                 const RayCaster& other, double reach);
 
-/// Points at the other ends of each point's edges, each once, ascending.
-std::vector<std::vector<int>> point_neighbours(const TriangleSurface& surface);
-
 /// Of each point, a third of the triangles around it.
 std::vector<double> point_areas(const TriangleSurface& surface);
 

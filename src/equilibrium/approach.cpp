@@ -14,33 +14,31 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// By a motion of all dofs, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
-/// face nothing.
-std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& all) {
-  const SpringStates& s = e.springs[contact];
-  const SpringBed& bed = problem.beds.beds[contact];
-  const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-  const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
-  const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
-  std::vector<double> opened(at(s.size()), 0.0);
-  for (std::size_t k = 0; k < opened.size(); ++k) {
-    if (s.triangle[k] < 0) continue;
-    const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
-    opened[k] = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);
+/// By a motion of the unknowns, to first order (E2): calls `look(springs, k, change)` with the change of the gap of
+/// each spring k that faces something.
+template <class Look>
+void for_gap_changes(const Problem& problem, const Evaluation& e, const VectorXd& motion, const Look& look) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const SpringBed& bed = problem.beds.beds[c];
+    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
+    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
+    for (std::size_t k = 0; k < s.gap.size(); ++k) {
+      if (s.triangle[k] < 0) continue;
+      const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
+      look(s, k, s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]));
+    }
   }
-  return opened;
 }
 
 /// How far along `direction` (a motion of the unknowns) the first spring closes, to first order: infinity if none does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  const VectorXd all = on_all_dofs(problem, e, direction);
   double first = kInfinity;
-  for (std::size_t c = 0; c < e.springs.size(); ++c) {
-    const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, all);
-    for (std::size_t k = 0; k < opened.size(); ++k)
-      if (s.coverage[k] > 0 && opened[k] < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -opened[k]);
-  }
+  for_gap_changes(problem, e, direction, [&](const SpringStates& s, std::size_t k, double change) {
+    if (s.coverage[k] > 0 && change < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -change);
+  });
   return first;
 }
 
@@ -69,25 +67,21 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
 }
 
 double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
-  const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
-  for (std::size_t c = 0; c < e.springs.size(); ++c) {
-    const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, all);
-    for (std::size_t k = 0; k < opened.size(); ++k)
-      if (s.pressure[k] > 0) largest = std::max(largest, std::abs(opened[k]));
-  }
+  for_gap_changes(problem, e, motion, [&](const SpringStates& s, std::size_t k, double change) {
+    if (s.pressure[k] > 0) largest = std::max(largest, std::abs(change));
+  });
   return largest;
 }
 
-Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
+bool advance(Problem& problem, Evaluation& e, VectorXd direction) {
   const double unit = surface_motion(problem, e, direction);
-  if (unit <= 0) return {false, std::move(e)};
+  if (unit <= 0) return false;
   direction /= unit;
   const double cap = 0.5 * problem.beds.least_thickness;
   for (int i = 0; i < 20 && !touching(e); ++i) {
     const double gap = first_touch(problem, e, direction);
-    if (!std::isfinite(gap)) return {false, std::move(e)};
+    if (!std::isfinite(gap)) return false;
     auto poses = poses_after(problem, e, (gap + 1e-3 * cap) * direction);
     if (!poses) break;
     const VectorXd all = on_all_dofs(problem, e, direction);
@@ -95,7 +89,7 @@ Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
     direction = motion_at_new_pose(problem, e, all);
     if (too_deep_area(problem, e) > 0) break;
   }
-  if (!touching(e)) return {false, std::move(e)};
+  if (!touching(e)) return false;
   // The contact's force grows about like the square of the depth: a few steps bring it near the load.
   const double driving = direction.dot(scaled_residual(problem, e));
   double depth = 1e-3 * cap;
@@ -115,10 +109,10 @@ Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
     direction = motion_at_new_pose(problem, e, all);
     depth += step;
   }
-  return {true, std::move(e)};
+  return true;
 }
 
-Approach back_out(Problem& problem, Evaluation e) {
+bool back_out(Problem& problem, Evaluation& e) {
   for (int i = 0; i < 40 && too_deep_area(problem, e) > 0; ++i) {
     VectorXd push = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
     double depth = 0.0;
@@ -141,8 +135,7 @@ Approach back_out(Problem& problem, Evaluation e) {
     if (!poses) break;
     e = evaluate(problem, std::move(*poses));
   }
-  const bool found = too_deep_area(problem, e) == 0;
-  return {found, std::move(e)};
+  return too_deep_area(problem, e) == 0;
 }
 
 }  // namespace dea

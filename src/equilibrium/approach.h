@@ -18,15 +18,11 @@ double too_deep_area(const Problem& problem, const Evaluation& e);
 /// (E2).
 double closing_motion(const Problem& problem, const Evaluation& e, const Eigen::VectorXd& motion);
 
-struct Approach {
-  bool found = false;
-  Evaluation at;
-};
 /// Separated surfaces: along the load to first touch, and on until the contact carries most of it. `direction`: a
-/// motion of the unknowns.
-Approach advance(Problem& problem, Evaluation e, Eigen::VectorXd direction);
+/// motion of the unknowns. False: they do not touch where `e` ends.
+bool advance(Problem& problem, Evaluation& e, Eigen::VectorXd direction);
 
-/// Surfaces passed through each other: back along the normals of the springs that are too deep.
-Approach back_out(Problem& problem, Evaluation e);
+/// Surfaces passed through each other: back along the normals of the springs that are too deep. False: some still are.
+bool back_out(Problem& problem, Evaluation& e);
 
 }  // namespace dea

@@ -45,11 +45,10 @@ void judge_springs(Equilibrium& result) {
   }
 }
 
-/// All that is known at the poses where a search ended, with its outcome and message.
-Equilibrium to_equilibrium(const Problem& problem, Evaluation e, Outcome outcome, std::string message) {
+/// All that is known at the poses where a search ended.
+Equilibrium to_equilibrium(const Problem& problem, Evaluation e, SearchEnd end) {
   Equilibrium result;
-  result.outcome = outcome;
-  result.message = std::move(message);
+  static_cast<SearchEnd&>(result) = std::move(end);
   const VectorXd total = e.residual();
   double force2 = 0.0, moment2 = 0.0;
   bool any_force = false, any_moment = false;
@@ -59,7 +58,6 @@ Equilibrium to_equilibrium(const Problem& problem, Evaluation e, Outcome outcome
   }
   result.residual_force = any_force ? std::sqrt(force2) : kNaN;
   result.residual_moment = any_moment ? std::sqrt(moment2) : kNaN;
-  result.load = e.load;
   for (std::size_t b = 0; b < e.poses.size(); ++b)
     result.reaction.push_back(-(e.contact + e.ligaments + e.reactions).segment<6>(6 * static_cast<Eigen::Index>(b)));
   result.cable_force = problem.load_case.cable_force;
@@ -72,10 +70,7 @@ Equilibrium to_equilibrium(const Problem& problem, Evaluation e, Outcome outcome
     for (const Connector& c : problem.joint.connectors)
       result.connector_motion.push_back(connector_motion(problem.joint, c, e.poses));
   }
-  result.poses = std::move(e.poses);
-  result.springs = std::move(e.springs);
-  result.contact_on_target = std::move(e.contact_on_target);
-  result.ligament_force = std::move(e.ligament_force);
+  static_cast<PosedSprings&>(result) = std::move(e);
   result.casts = problem.casts;
   judge_springs(result);
   return result;
@@ -214,7 +209,7 @@ Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
   Problem problem = make_problem(joint, beds, load_case, memory ? *memory : own);
   problem.tolerance = kGivenPoseTolerance;
   problem.stop = stop;
-  Equilibrium result = to_equilibrium(problem, evaluate(problem, poses), Outcome::Prescribed, "motion given");
+  Equilibrium result = to_equilibrium(problem, evaluate(problem, poses), {Outcome::Prescribed, "motion given"});
   result.least_stiffness = kNaN;
   return result;
 }
@@ -245,12 +240,9 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   std::vector<std::string> held = held_in_words(problem, s);
   const bool unstable = is_unstable(problem, s);
   const int idle = solved(s.outcome) ? -1 : unloaded_body(problem, s.at);
-  Equilibrium result = to_equilibrium(problem, std::move(s.at), s.outcome, s.message);
-  result.advice = std::move(s.advice);  // of outcomes that are no solution: no spring changes these
+  Equilibrium result = to_equilibrium(problem, std::move(s.at), s);
   if (idle >= 0 && result.outcome != Outcome::BeyondStrainLimit) say_unloaded(problem, idle, result);
   say_inactive(problem, result);
-  result.iterations = s.iterations;
-  result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;
   result.unstable = unstable;
   result.held = std::move(held);

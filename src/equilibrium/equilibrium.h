@@ -11,27 +11,17 @@
 
 namespace dea {
 
-struct Equilibrium {
-  Outcome outcome = Outcome::NotConverged;
-  std::string message;                     ///< one sentence with the numbers behind the outcome
-  Sentence advice;                         ///< what to do about it, goes on from the message; empty: nothing is known
-  std::vector<Pose> poses;                 ///< one per body
-  std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
-  std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
-  std::vector<Vector6> reaction;  ///< per body: force and moment on it by what loads and holds it, = minus those of
-                                  ///  contacts, ligaments, cables and connectors: FEBio's `rigid force` and
-                                  ///  `rigid torque`
-  std::vector<double> ligament_force;    ///< per ligament, tension > 0
-  std::vector<double> cable_force;       ///< per cable, tension
+struct Equilibrium : SearchEnd, PosedSprings {
+  std::vector<Vector6> reaction;    ///< per body: force and moment on it by what loads and holds it, = minus those of
+                                    ///  contacts, ligaments, cables and connectors: FEBio's `rigid force` and
+                                    ///  `rigid torque`
+  std::vector<double> cable_force;  ///< per cable, tension
   std::vector<Vector6> connector_force;  ///< per connector: force and moment on B about its current point on B, global;
                                          ///  least squares where conditions are redundant; NaN: neither body can move
   std::vector<Vector6> connector_motion;  ///< per connector: of B as seen from A (connectors.h)
   double residual_force = 0.0;            ///< over free dofs; NaN: no free translation
   double residual_moment = 0.0;           ///< over free dofs; NaN: no free rotation
-  double load = 0.0;                      ///< the forces' scale the residual is measured against
-  int iterations = 0;                     ///< Newton steps
   int casts = 0;                          ///< how often all rays were cast
-  std::vector<double> history;            ///< scaled residual / load at each iterate
   std::vector<std::string> held;          ///< flat directions that were held, in words
   double least_stiffness =
       0.0;                ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations

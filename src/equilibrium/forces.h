@@ -15,16 +15,11 @@ namespace dea {
 
 /// Everything known at one set of poses. Vectors over all dofs of all bodies, 6 per body: force, and moment about the
 /// current centre of mass, global frame; those ON the bodies.
-struct Evaluation {
-  std::vector<Pose> poses;
-  std::vector<SpringStates> springs;       ///< per contact; empty where it is not active
-  std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
-  std::vector<double> ligament_force;      ///< tensions
+struct Evaluation : PosedSprings {
   Eigen::VectorXd contact, ligaments, external;  ///< `ligaments`: cables and the connectors' loads too; `external`:
                                                  ///  what holds points of bodies, too
   BlockMatrix derivative;                        ///< of their sum and of the reactions
   double normal_force = 0.0;                     ///< sum of p A over all contacts
-  double load = 0.0;                             ///< scale of all forces: the largest of external, ligament, contact
   double tolerance = 0.0;                        ///< of the layers' pressures; 0: exact
   // connectors and held points: their conditions, the motions these leave, and what connectors transmit
   std::vector<ConnectorRow> rows;

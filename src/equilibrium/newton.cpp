@@ -175,9 +175,7 @@ bool gives_up(Search& s) {
 
 /// Nothing resists the load in some direction, and nothing touches: to first touch. False: the search ends.
 bool go_to_touch(Search& s) {
-  Approach there = s.advances++ < 3 ? advance(s.problem, std::move(s.e), s.d.drift) : Approach{false, std::move(s.e)};
-  s.e = std::move(there.at);
-  if (there.found) return true;
+  if (s.advances++ < 3 && advance(s.problem, s.e, s.d.drift)) return true;
   if (s.d.falls) {  // past the surfaces, to hang from what holds it: is followed from the next iterate on
     s.passes_by = true;
     return true;

@@ -1,9 +1,12 @@
 // src/equilibrium/search.h – how a search for equilibrium ends, what it may cost, and what it tells on its way.
 #pragma once
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "src/base/names.h"
 #include "src/base/numbers.h"
+#include "src/base/sentence.h"
 #include "src/base/stop.h"
 
 namespace dea {
@@ -31,6 +34,15 @@ struct SearchStatus {
   int iterations = 0;      ///< Newton steps begun
   int casts = 0;           ///< poses tried, with this one
   double residual = kNaN;  ///< unbalanced / applied force at the last iterate; NaN: none is known yet
+};
+
+/// How a search ended.
+struct SearchEnd {
+  Outcome outcome = Outcome::NotConverged;
+  std::string message = {};          ///< one sentence with the numbers behind the outcome
+  Sentence advice = {};              ///< what to do about it, goes on from the message; empty: nothing is known
+  int iterations = 0;                ///< Newton steps
+  std::vector<double> history = {};  ///< scaled residual / load at each iterate
 };
 
 struct EquilibriumOptions {

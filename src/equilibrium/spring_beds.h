@@ -18,6 +18,16 @@ struct SpringBeds {
 /// `stop`: looked at between the contacts; throws Stopped.
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop = nullptr);
 
+/// What springs and ligaments do at one set of poses.
+struct PosedSprings {
+  std::vector<Pose> poses;                 ///< one per body
+  std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
+  std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
+  std::vector<double> ligament_force;      ///< per ligament, tension > 0
+  double load = 0.0;  ///< scale of all forces, which residuals are measured against: the largest of external, ligament,
+                      ///< contact
+};
+
 /// One contact at a pose: its springs, and their force and moment on its two bodies.
 struct PressedContact {
   SpringStates springs;

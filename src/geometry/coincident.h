@@ -1,5 +1,7 @@
-// src/geometry/coincident.h – nodes that lie at one place.
+// src/geometry/coincident.h – nodes that lie at one place, found by cells of a grid.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <unordered_map>
 #include <vector>
 
@@ -7,6 +9,10 @@
 #include "src/model/joint_model.h"
 
 namespace dea {
+
+/// The cell of a grid of this width that holds x; what no number of a cell reaches lies in the outermost one.
+using GridCell = std::array<std::int64_t, 3>;
+GridCell grid_cell(const Vector3d& x, double width);
 
 /// Of the nodes that lie within `tolerance` of an earlier one in the list: the node that stands for them. Nodes that
 /// stand for themselves are not in it.

@@ -10,6 +10,7 @@
 
 #include "src/base/decompositions.h"
 #include "src/base/numbers.h"
+#include "src/geometry/coincident.h"
 #include "src/model/element_faces.h"
 
 namespace dea {
@@ -461,15 +462,12 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
   for (int t = 0; t < mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm());
   const double cell = std::max(reach, longest) + 1.5 * longest;
-  const auto key = [&](const Vector3d& x) {
-    return std::array<long, 3>{std::lround(std::floor(x.x() / cell)), std::lround(std::floor(x.y() / cell)),
-                               std::lround(std::floor(x.z() / cell))};
-  };
-  std::map<std::array<long, 3>, std::vector<int>> grid;
-  for (int i = 0; i < static_cast<int>(rim.size()); ++i) grid[key(0.5 * (rim[at(i)][0] + rim[at(i)][1]))].push_back(i);
+  std::map<GridCell, std::vector<int>> grid;
+  for (int i = 0; i < static_cast<int>(rim.size()); ++i)
+    grid[grid_cell(0.5 * (rim[at(i)][0] + rim[at(i)][1]), cell)].push_back(i);
   std::vector<double> vertex_distance(mesh.vertices.size(), cell - 0.5 * longest);  // no rim edge within this distance
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const auto home = key(mesh.vertices[v]);
+    const GridCell home = grid_cell(mesh.vertices[v], cell);
     for (long dx = -1; dx <= 1; ++dx)
       for (long dy = -1; dy <= 1; ++dy)
         for (long dz = -1; dz <= 1; ++dz) {

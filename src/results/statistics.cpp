@@ -10,6 +10,7 @@
 #include <set>
 
 #include "src/base/numbers.h"
+#include "src/geometry/coincident.h"
 #include "src/geometry/ray_caster.h"
 #include "src/results/percentile.h"
 
@@ -25,19 +26,14 @@ struct Foot {
 
 /// Feet in cubes a little wider than the largest of them.
 struct FootGrid {
-  using Cell = std::array<long, 3>;
   double size = 0.0;   // of the largest foot
   double width = 0.0;  // of a cube: more than sqrt(1 + 1/4) of that
-  std::map<Cell, std::vector<Foot>> cells;
+  std::map<GridCell, std::vector<Foot>> cells;
 
   explicit FootGrid(const std::vector<Foot>& feet) {
     for (const Foot& f : feet) size = std::max(size, f.size);
     width = 1.2 * size;
-    for (const Foot& f : feet) cells[cell(f.at)].push_back(f);
-  }
-  Cell cell(const Vector3d& x) const {
-    return {std::lround(std::floor(x.x() / width)), std::lround(std::floor(x.y() / width)),
-            std::lround(std::floor(x.z() / width))};
+    for (const Foot& f : feet) cells[grid_cell(f.at, width)].push_back(f);
   }
   /// The nearest inwards of an edge, within its own size; nullptr: none. Measured across `normal`; along it no more
   /// than `depth`.
@@ -46,7 +42,7 @@ struct FootGrid {
     double best = kInfinity;
     const int steps = static_cast<int>(std::ceil(depth / size));
     for (int step = -steps; step <= steps; ++step) {  // along the normal; across it the cubes beside are far enough
-      const Cell home = cell(x + step * size * normal);
+      const GridCell home = grid_cell(x + step * size * normal, width);
       for (long i = -1; i <= 1; ++i)
         for (long j = -1; j <= 1; ++j)
           for (long k = -1; k <= 1; ++k) {
