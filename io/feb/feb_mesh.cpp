@@ -389,7 +389,7 @@ void read_named_surface(Reading& reading, const XMLElement& section) {
 }
 
 int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces) {
-  Surface surface = {name, {0}, {}, origin_of(reading, section)};
+  Surface surface = {{}, name, origin_of(reading, section)};
   for (const XMLElement& child : children(section)) {
     if (std::strcmp(child.Name(), "Surface") == 0) {
       append_surface(reading, child, surface);
@@ -458,7 +458,7 @@ int part_list_surface(Reading& reading, const XMLElement& element, const std::st
     fail(reading, element, fmt::format("{} names no part list, expected the name of a PartList above it", quote(name)));
   }
   std::map<std::vector<int>, int> uses;  // by sorted corners
-  Surface surface = {name, {0}, {}, origin_of(reading, element)};
+  Surface surface = {{}, name, origin_of(reading, element)};
   for (const bool counting : {true, false}) {
     for (const std::string& part : list->second) {
       for (const int index : reading.domain_index.find(part)->second) {
