@@ -33,9 +33,10 @@ InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const Spri
     if (of.layer == nullptr) return;
     LayerFeet feet;
     if (states.size() > 0)
-      feet = side == bed.pair.source ? feet_on_source(*map.layers, states)
-                                     : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
-                                                      *std::max_element(states.overlap.begin(), states.overlap.end()));
+      feet = side == bed.pair.source
+                 ? feet_on_source(*map.layers, Eigen::Map<const Eigen::VectorXd>(states.area.data(), states.size()))
+                 : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
+                                  *std::max_element(states.overlap.begin(), states.overlap.end()));
     contact.sides[side] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
   };
   parallel_for(2, look);
