@@ -7,7 +7,6 @@
 #include <exception>
 #include <filesystem>
 #include <new>
-#include <set>
 #include <sstream>
 
 #include "app/commands.h"
@@ -111,13 +110,12 @@ std::string option_without_dashes(const CLI::App& command, const std::vector<std
 
 /// "--json --no-xplt" without a file between them. Empty: there is no such thing.
 std::string option_taken_for_value(const CLI::App& command) {
-  const std::vector<std::string> long_ones = long_names(command);
-  std::set<std::string> names(long_ones.begin(), long_ones.end());
+  std::vector<std::string> names = long_names(command);
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_snames()) names.insert("-" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
   for (const CLI::Option* option : command.get_options())
     for (const std::string& value : option->results())
-      if (option->get_type_size() != 0 && names.count(value) > 0)
+      if (option->get_type_size() != 0 && std::find(names.begin(), names.end(), value) != names.end())
         return fmt::format("{}: found the option {}, expected a value before it", option->get_name(), value);
   return "";
 }

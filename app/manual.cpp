@@ -127,14 +127,11 @@ std::string manual_page(const CommandWords& program, const CommandWords& command
   text += ".SH OPTIONS\n" + options_section(command);
   if (examples != std::string::npos)
     text += ".SH EXAMPLES\n" + troff_paragraphs(command.footer.substr(examples + heading.size()));
-  text += ".SH SEE ALSO\n";
-  std::string others;
-  for (const CommandWords& c : program.commands) {
-    if (&command == &program)
-      others += fmt::format("{}\\fB{}\\fR(1)", others.empty() ? "" : ",\n", troff(manual_name(program, c)));
-  }
-  text += &command == &program ? others + "\n" : fmt::format("\\fB{}\\fR(1)\n", troff(program.name));
-  return text;
+  std::vector<std::string> others;
+  for (const CommandWords& c : program.commands)
+    others.push_back(fmt::format("\\fB{}\\fR(1)", troff(manual_name(program, c))));
+  if (&command != &program) others = {fmt::format("\\fB{}\\fR(1)", troff(program.name))};
+  return text + fmt::format(".SH SEE ALSO\n{}\n", fmt::join(others, ",\n"));
 }
 
 CLI::App* add_man(CLI::App& app, ManArguments& a) {

@@ -145,18 +145,13 @@ Tally solve(const Study& study, OpenStudy& open, Progress& progress) {
   return tally;
 }
 
-bool again_failed(const StudyArguments& a) {
-  if (a.again.empty()) return false;
-  if (lower_case(a.again) != "failed") throw wrong_word("again", a.again, "failed", {"failed"});
-  return true;
-}
-
 int solve_study(const StudyArguments& a) {
   check_study_name("-o", a.output);
   StudyOutput output;
   output.path = a.output;
   output.keep = a.keep;
-  output.again = again_failed(a);
+  output.again = !a.again.empty();
+  if (output.again && lower_case(a.again) != "failed") throw wrong_word("again", a.again, "failed", {"failed"});
   output.shard = shard_of(a.shard);
   output.overwrite = a.overwrite;
   output.remedy = "--overwrite begins anew, -o FILE.db makes another";

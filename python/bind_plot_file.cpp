@@ -90,11 +90,13 @@ std::string region_name(const FieldView& f) {
   }
 }
 
+py::array in_rows(const std::vector<float>& values, std::size_t each, const File& file) {
+  return look(py::dtype::of<float>(), values.size() / each, each, values.data(), file);
+}
+
 py::array values_of(const FieldView& f) {
   const std::size_t each = at(floats_per_value(f.what()));
-  const std::vector<float>& values = f.where().values;
-  if (each <= 1) return look(values, f.in.file);
-  return look(py::dtype::of<float>(), values.size() / each, each, values.data(), f.in.file);
+  return each <= 1 ? look(f.where().values, f.in.file) : in_rows(f.where().values, each, f.in.file);
 }
 
 /// Of one region of a group; region 0: of all regions of all groups.
@@ -135,10 +137,6 @@ std::vector<double> facet_field(const PlotSurfaceView& v, const std::string& fie
   };
   find_name("field", field, fields_there(v.in, XpltGroup::Surface, v.index + 1, scalar_per_facet));
   return facet_values(*v.in.file, v.in.state, v.index, field, true);
-}
-
-py::array floats_as_points(const std::vector<float>& values, const File& file) {
-  return look(py::dtype::of<float>(), values.size() / 3, 3, values.data(), file);
 }
 
 VtkCells cells_of_mesh(const XpltMesh& mesh) {
@@ -279,7 +277,7 @@ void bind_plot_state(py::module_& m) {
   Class<PlotStateView>(m, "PlotState", "One state of a plot file.")
       .value("time", "As the file has it, in single precision.", [](const PlotStateView& s) { return s.values().time; })
       .value("points", "(nodes, 3) reference positions.",
-             [](const PlotStateView& s) { return floats_as_points(s.mesh().coordinates, s.file); })
+             [](const PlotStateView& s) { return in_rows(s.mesh().coordinates, 3, s.file); })
       .value("node_ids", "(nodes,) their numbers.",
              [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); })
       .value("cells", "All elements as pyvista takes them: number of nodes, nodes in VTK's order.",

@@ -43,7 +43,7 @@ Joint_ prepare_joint(const std::shared_ptr<Recognised>& recognised) {
 
 std::size_t body_at(const PreparedJoint& joint, const std::string& name) {
   const int found = joint.prepared.joint.find_body(joint.recognised->recognition.model, name);
-  return found >= 0 ? at(found) : find_named_body(joint.prepared.joint, name);
+  return found >= 0 ? at(found) : find_name("body", name, names_of(joint.prepared.joint.bodies));
 }
 
 /// What a user says of poses: None, a dictionary by bodies, an array of all bodies, or a state. Bodies that are not
@@ -342,7 +342,7 @@ void bind_pressed(py::module_& m) {
       .def(
           "contact",
           [](const std::shared_ptr<PressedJoint>& p, const std::string& name) {
-            return PressedView{p, find_contact(p->joint->prepared.joint, name)};
+            return PressedView{p, find_name("contact", name, names_of(p->joint->prepared.joint.contacts))};
           },
           py::arg("name") = "", "The contact of this name; without a name: the only one.")
       .value("contacts", "One PressedContact per contact of the joint.",

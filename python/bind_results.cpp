@@ -152,7 +152,7 @@ void bind_state(py::module_& m) {
       .def(
           "contact",
           [](const StateView& v, const std::string& name) {
-            return ContactView{v, find_contact(*v.joint, name)};
+            return ContactView{v, find_name("contact", name, names_of(v.joint->contacts))};
           },
           py::arg("name") = "", "The contact of this name; without a name: the only one.")
       .def("__repr__", [](const StateView& v) {
@@ -273,7 +273,7 @@ void bind_facets(py::module_& m) {
   for (const FacetField& field : facet_fields()) {  // a new one appears by itself
     const auto values = field.values;
     facets.value(field.column, (std::string("(facets,) ") + field.name + ".").c_str(),
-                 [values](const FacetsView& v) { return look(v.of.fields().*values, v.of.of.in.owner); });
+                 [values](const FacetsView& v) { return look(v.fields().*values, v.of.in.owner); });
   }
   for (const FacetField& field : inside_facet_fields()) {
     const auto values = field.values;
@@ -281,24 +281,24 @@ void bind_facets(py::module_& m) {
         field.column,
         (std::string("(facets,) ") + field.name + ", with the setting inside; None: without, or no cartilage.").c_str(),
         [values](const FacetsView& v) -> py::object {
-          const std::vector<double>& of = v.of.fields().*values;
+          const std::vector<double>& of = v.fields().*values;
           if (of.empty()) return py::none();
-          return look(of, v.of.of.in.owner);
+          return look(of, v.of.in.owner);
         });
   }
   facets
       .value("area", "(facets,) reference; 0: left out.",
-             [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); })
+             [](const FacetsView& v) { return look(v.map().facet_area, v.of.in.owner); })
       .value("center", "(facets, 3) centroid, reference; NaN: left out.",
-             [](const FacetsView& v) { return kept(facet_centers_of(v.of)); })
+             [](const FacetsView& v) { return kept(facet_centers_of(v)); })
       .value("nodes", "(facets, most nodes) rows of Model.points, filled up with -1.",
              [](const FacetsView& v) {
-               const Surface& s = v.of.of.in.model().surfaces[at(v.of.layer().surface)];
+               const Surface& s = v.of.in.model().surfaces[at(v.layer().surface)];
                return padded(s.begin, s.nodes);
              })
-      .def("__len__", [](const FacetsView& v) { return mesh_of(v.of).facets; })
+      .def("__len__", [](const FacetsView& v) { return mesh_of(v).facets; })
       .def("__repr__",
-           [](const FacetsView& v) { return fmt::format("<febiodea.Facets: {} of them>", mesh_of(v.of).facets); });
+           [](const FacetsView& v) { return fmt::format("<febiodea.Facets: {} of them>", mesh_of(v).facets); });
 }
 
 std::vector<double> node_strain(const SideView& v) {
@@ -310,31 +310,29 @@ std::vector<double> node_strain(const SideView& v) {
 }
 
 void bind_nodes(py::module_& m) {
-  const auto owner = [](const NodesView& v) { return v.of.of.in.owner; };
   Class<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
       .value("index", "(nodes,) rows of Model.points.",
-             [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); })
+             [](const NodesView& v) { return look(mesh_of(v).model_nodes, v.of.in.owner); })
       .value("point", "(nodes, 3) reference positions.",
-             [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); })
+             [](const NodesView& v) { return look(mesh_of(v).vertices, v.of.in.owner); })
       .value("triangles",
              "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.",
-             [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); })
+             [](const NodesView& v) { return look(mesh_of(v).triangles, v.of.in.owner); })
       .value("area",
              "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
              "quadrilateral (docs/theory.md, 6.1).",
-             [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); })
+             [](const NodesView& v) { return look(mesh_of(v).vertex_areas, v.of.in.owner); })
       .value("pressure", "(nodes,) area-weighted mean of the facets around.",
-             [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); })
+             [](const NodesView& v) { return look(v.fields().vertex_pressure, v.of.in.owner); })
       .value("thickness", "(nodes,) of the cartilage.",
-             [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); })
+             [](const NodesView& v) { return look(v.fields().vertex_thickness, v.of.in.owner); })
       .value("shortening", "(nodes,) of the cartilage, >= 0.",
-             [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); })
+             [](const NodesView& v) { return look(v.fields().vertex_shortening, v.of.in.owner); })
       .value("strain", "(nodes,) shortening over thickness; NaN: no cartilage.",
-             [](const NodesView& v) { return kept(node_strain(v.of)); })
-      .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); })
-      .def("__repr__", [](const NodesView& v) {
-        return fmt::format("<febiodea.Nodes: {} of them>", mesh_of(v.of).vertices.size());
-      });
+             [](const NodesView& v) { return kept(node_strain(v)); })
+      .def("__len__", [](const NodesView& v) { return mesh_of(v).vertices.size(); })
+      .def("__repr__",
+           [](const NodesView& v) { return fmt::format("<febiodea.Nodes: {} of them>", mesh_of(v).vertices.size()); });
 }
 
 }  // namespace

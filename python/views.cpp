@@ -9,17 +9,12 @@
 namespace dea::python {
 
 StateView view_of(const std::shared_ptr<const Analysed>& a, std::size_t state) {
-  return {a,
-          a->recognised.get(),
-          &a->analysis.joint,
-          &a->analysis.beds,
-          &a->analysis.maps,
-          &a->analysis.states[state],
-          &a->springs[state]};
+  return {
+      a, a->recognised.get(), &a->analysis.joint, &a->analysis.maps, &a->analysis.states[state], &a->springs[state]};
 }
 
 StateView view_of(const std::shared_ptr<const SolvedLoad>& s) {
-  return {s,         s->joint->recognised.get(),   &s->joint->prepared.joint, &s->joint->prepared.beds, &s->joint->maps,
+  return {s,         s->joint->recognised.get(),   &s->joint->prepared.joint, &s->joint->maps,
           &s->state, &s->state.equilibrium.springs};
 }
 
@@ -31,14 +26,6 @@ std::size_t find_name(const char* what, const std::string& name, const std::vect
       Fault{.place = what,
             .found = name.empty() ? "found no name," : fmt::format("found \"{}\"{},", name, did_you_mean(name, names)),
             .expected = fmt::format("expected one of {}", name_list(names, name))});
-}
-
-std::size_t find_contact(const Joint& joint, const std::string& name) {
-  return find_name("contact", name, names_of(joint.contacts));
-}
-
-std::size_t find_named_body(const Joint& joint, const std::string& name) {
-  return find_name("body", name, names_of(joint.bodies));
 }
 
 }  // namespace dea::python

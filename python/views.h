@@ -13,7 +13,6 @@ struct StateView {
   Owner owner;
   const Recognised* recognised = nullptr;
   const Joint* joint = nullptr;
-  const SpringBeds* beds = nullptr;
   const FieldMaps* maps = nullptr;
   const StateResult* state = nullptr;
   const std::vector<SpringStates>* springs = nullptr;  ///< one per contact
@@ -37,12 +36,8 @@ struct SideView {
   const SideFields& fields() const { return of.in.state->fields[of.index].sides[side]; }
   const FieldMaps::LayerMap& map() const { return of.in.maps->contacts[of.index].layers[side]; }
 };
-struct FacetsView {
-  SideView of;
-};
-struct NodesView {
-  SideView of;
-};
+struct FacetsView : SideView {};
+struct NodesView : SideView {};
 
 /// Springs of a contact, of a state or of a press.
 struct SpringsView {
@@ -68,9 +63,5 @@ std::vector<std::string> names_of(const List& list) {
 /// Place of a name; an empty one: the only place there is. Throws UsageError with `what` for its place, and the names
 /// there are.
 std::size_t find_name(const char* what, const std::string& name, const std::vector<std::string>& names);
-
-/// The one that is named; an empty name: the only one. Throws UsageError, with those there are.
-std::size_t find_contact(const Joint& joint, const std::string& name);
-std::size_t find_named_body(const Joint& joint, const std::string& name);
 
 }  // namespace dea::python

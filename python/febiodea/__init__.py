@@ -116,13 +116,6 @@ def _solve(self, body=None, force=None, moment=None, about=None, rotate=None, mo
     return self._solve(body or "", force, moment, _settings.values(keywords), start, progress)
 
 
-def _table(self):
-    return _tables.rows(self.states)
-
-
-_table.__doc__ = _tables.rows.__doc__
-
-
 def _to_pandas(self):
     """table() as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
     try:
@@ -156,7 +149,7 @@ def _add(owner, **methods):
 
 
 _add(Prepared, solve=_solve)
-_add(Result, table=_table, to_pandas=_to_pandas, write_xplt=_write_xplt, write_vtu=_write_vtu, report=_report,
+_add(Result, table=_tables.rows, to_pandas=_to_pandas, write_xplt=_write_xplt, write_vtu=_write_vtu, report=_report,
      _repr_html_=_tables.html_of)
 _add(Model, __reduce__=_models.reduce_model)
 _add(Recognition, __reduce__=_models.reduce_recognition)

@@ -32,12 +32,12 @@ def _flat(row, name, value):
         row[name] = math.nan if value is None else value
 
 
-def rows(states):
+def rows(result):
     """A dictionary per state and contact: `time`, `step`, `outcome`, `contact`, the headline as `headline_...`, then the
     contact's other numbers by their names in JSON (docs/results.md); vectors as three columns; what is null there is NaN.
     Other lists are in Contact.statistics alone."""
     all_rows = []
-    for state in states:
+    for state in result.states:
         for contact in state.contacts:
             row = {"time": state.time, "step": state.step, "outcome": state.outcome, "contact": contact.name}
             numbers = contact.statistics

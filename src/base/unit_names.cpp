@@ -33,22 +33,10 @@ std::vector<std::string> unit_systems() {
   return names;
 }
 
-std::string unit_of(const UnitNames& units, Dimension dimension) {
-  switch (dimension) {
-    case Dimension::None:
-      return "";
-    case Dimension::Pressure:
-      return units.pressure;
-    case Dimension::Area:
-      return units.area;
-    case Dimension::Force:
-      return units.force;
-    case Dimension::Moment:
-      return units.force.empty() ? "" : units.force + " " + units.length;
-    case Dimension::Length:
-      return units.length;
-  }
-  return "";
+std::string unit_of(const UnitNames& of, Dimension dimension) {
+  const std::string moment = of.force.empty() ? "" : of.force + " " + of.length;
+  const std::string units[] = {"", of.pressure, of.area, of.force, moment, of.length};  // in Dimension's order
+  return units[static_cast<std::size_t>(dimension)];
 }
 
 std::string with_unit(const std::string& name, const UnitNames& units, Dimension dimension) {

@@ -1,5 +1,4 @@
-#include "src/equilibrium/continuation.h"
-
+// The whole search for one load case from one start.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "src/base/numbers.h"
 #include "src/equilibrium/approach.h"
 #include "src/equilibrium/motion_in_words.h"
+#include "src/equilibrium/newton.h"
 #include "src/equilibrium/unknowns.h"
 #include "src/springs/spring_law.h"
 

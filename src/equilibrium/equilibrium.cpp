@@ -11,8 +11,8 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/equilibrium/approach.h"
-#include "src/equilibrium/continuation.h"
 #include "src/equilibrium/motion_in_words.h"
+#include "src/equilibrium/newton.h"
 #include "src/equilibrium/unknowns.h"
 #include "src/springs/spring_law.h"
 

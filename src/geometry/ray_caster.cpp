@@ -6,6 +6,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -130,15 +131,10 @@ namespace {
 
 void bounds_callback(const RTCBoundsFunctionArguments* args) {
   const auto& scene = *static_cast<const RayCaster::Scene*>(args->geometryUserPtr);
-  Vector3d low, high;
-  const int t = static_cast<int>(args->primID);
-  low = high = scene.mesh->corner(t, 0);
-  for (int k = 1; k < 3; ++k) {
-    low = low.cwiseMin(scene.mesh->corner(t, k));
-    high = high.cwiseMax(scene.mesh->corner(t, k));
-  }
-  low -= scene.center + Vector3d::Constant(scene.padding);
-  high -= scene.center - Vector3d::Constant(scene.padding);
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < 3; ++k) box.extend(scene.mesh->corner(static_cast<int>(args->primID), k));
+  const Vector3d low = box.min() - (scene.center + Vector3d::Constant(scene.padding)),
+                 high = box.max() - (scene.center - Vector3d::Constant(scene.padding));
   RTCBounds& b = *args->bounds_o;
   b.lower_x = static_cast<float>(low.x());
   b.lower_y = static_cast<float>(low.y());
@@ -208,14 +204,11 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   scene_ = scene;
   Scene& s = *scene;
   s.mesh = &mesh;
-  Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
-  if (!mesh.vertices.empty()) low = high = mesh.vertices[0];
-  for (const Vector3d& x : mesh.vertices) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  s.center = 0.5 * (low + high);
-  s.extent = (high - low).norm();
+  Eigen::AlignedBox3d box;
+  if (mesh.vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
+  for (const Vector3d& x : mesh.vertices) box.extend(x);
+  s.center = 0.5 * (box.min() + box.max());
+  s.extent = box.diagonal().norm();
   s.padding = 4e-6 * s.extent;
   rtcGetDeviceError(device());  // what came before is not ours
   s.scene = rtcNewScene(device());

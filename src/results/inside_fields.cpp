@@ -91,9 +91,10 @@ std::array<std::optional<InsideLayer>, 2> look_inside(const InsideMap& map, cons
     if (of.layer == nullptr) return;
     LayerFeet feet;
     if (states.size() > 0)
-      feet = side == bed.pair.source ? feet_on_source(*map.layers, states)
-                                     : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
-                                                      *std::max_element(states.overlap.begin(), states.overlap.end()));
+      feet = side == bed.pair.source
+                 ? feet_on_source(*map.layers, Eigen::Map<const Eigen::VectorXd>(states.area.data(), states.size()))
+                 : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
+                                  *std::max_element(states.overlap.begin(), states.overlap.end()));
     contact[at(side)] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
   };
   parallel_for(2, look);

@@ -23,21 +23,6 @@ Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Pose& s
   return (memory.pressure + memory.rates * motion).cwiseMax(0.0);
 }
 
-/// The source's feet at a pose: a foot that lies over the target only in part carries its pressure on that part.
-LayerFeet covered_feet(const LayerOperator& source, const LayerFeet& whole, const Eigen::VectorXd& area) {
-  LayerFeet feet = whole;
-  for (int i = 0; i < feet.size(); ++i) {
-    const auto k = at(i);
-    const double share = feet.area[k] > 0 ? area[i] / feet.area[k] : 0.0;
-    if (share == 1.0) continue;
-    for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) feet.weight[at(j)] *= share;
-    feet.volume[k] *= share;
-    feet.area[k] = area[i];
-  }
-  set_reach(feet, source);
-  return feet;
-}
-
 }  // namespace
 
 LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& s,
@@ -64,8 +49,18 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
   return feet;
 }
 
-LayerFeet feet_on_source(const LayerBed& layers, const SpringStates& s) {
-  return covered_feet(*layers.source, layers.whole, Eigen::Map<const Eigen::VectorXd>(s.area.data(), s.size()));
+LayerFeet feet_on_source(const LayerBed& layers, const Eigen::VectorXd& area) {
+  LayerFeet feet = layers.whole;
+  for (int i = 0; i < feet.size(); ++i) {
+    const auto k = at(i);
+    const double share = feet.area[k] > 0 ? area[i] / feet.area[k] : 0.0;
+    if (share == 1.0) continue;
+    for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) feet.weight[at(j)] *= share;
+    feet.volume[k] *= share;
+    feet.area[k] = area[i];
+  }
+  set_reach(feet, *layers.source);
+  return feet;
 }
 
 std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair) {
@@ -164,7 +159,7 @@ void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s,
   }
   LayerFeet source_feet, target_feet;
   if (layers.source) {
-    source_feet = covered_feet(*layers.source, layers.whole, contact.area);
+    source_feet = feet_on_source(layers, contact.area);
     contact.source.layer = &*layers.source;
     contact.source.feet = &source_feet;
   }

@@ -23,7 +23,8 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
                          const Pose& source_pose, const Pose& target_pose, double reach);
 
 /// The source's feet at a pose: one that lies over the target only in part carries its pressure on that part.
-LayerFeet feet_on_source(const LayerBed& layers, const SpringStates& states);
+/// `area`: of each spring that carries one.
+LayerFeet feet_on_source(const LayerBed& layers, const Eigen::VectorXd& area);
 
 /// Fills pressures, strains, `rates` and the target's parts of springs that carry nothing yet; their gaps, overlaps,
 /// feet and areas must be there. `source`, `target`: their poses. `memory`: as in press_springs.
