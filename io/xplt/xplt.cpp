@@ -1,7 +1,6 @@
 #include "io/xplt/xplt.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "src/base/numbers.h"
@@ -95,38 +94,31 @@ std::int64_t values_in_region(const XpltMesh& mesh, XpltFormat format, const std
   return 0;
 }
 
-std::int64_t values_on_facets(const XpltMesh& mesh, XpltFormat format, const std::vector<XpltFacets>& all, int region) {
-  if (region < 1 || static_cast<std::size_t>(region) > all.size()) return -1;
-  const XpltFacets& facets = all[static_cast<std::size_t>(region) - 1];
-  return values_in_region(mesh, format, facets.nodes, facets.size(), facets.max_nodes);
-}
-
 }  // namespace
 
 std::int64_t floats_in_region(const XpltMesh& mesh, const XpltVariable& variable, int region) {
-  std::int64_t values = -1;
+  const int floats = floats_per_value(variable);
+  const auto is_among = [region](const auto& all) { return region >= 1 && at(region) <= all.size(); };
   switch (variable.group) {
     case XpltGroup::Global:
-      if (region == 0) values = 1;
-      break;
+      return region == 0 ? floats : -1;
     case XpltGroup::Nodal:  // whatever its format says
-      if (region == 0) values = static_cast<std::int64_t>(mesh.node_ids.size());
-      break;
-    case XpltGroup::Domain:
-      if (region >= 1 && static_cast<std::size_t>(region) <= mesh.domains.size()) {
-        const XpltDomain& domain = mesh.domains[static_cast<std::size_t>(region) - 1];
-        values = values_in_region(mesh, variable.format, domain.nodes, xplt_elements(domain),
-                                  xplt_nodes_per_element(domain.element_type));
-      }
-      break;
+      return region == 0 ? static_cast<std::int64_t>(mesh.node_ids.size()) * floats : -1;
+    case XpltGroup::Domain: {
+      if (!is_among(mesh.domains)) return -1;
+      const XpltDomain& domain = mesh.domains[at(region - 1)];
+      const int nodes = xplt_nodes_per_element(domain.element_type);
+      return values_in_region(mesh, variable.format, domain.nodes, xplt_elements(domain), nodes) * floats;
+    }
     case XpltGroup::Surface:
-      values = values_on_facets(mesh, variable.format, mesh.surfaces, region);
-      break;
-    case XpltGroup::Edge:
-      values = values_on_facets(mesh, variable.format, mesh.edges, region);
-      break;
+    case XpltGroup::Edge: {
+      const std::vector<XpltFacets>& all = variable.group == XpltGroup::Surface ? mesh.surfaces : mesh.edges;
+      if (!is_among(all)) return -1;
+      const XpltFacets& facets = all[at(region - 1)];
+      return values_in_region(mesh, variable.format, facets.nodes, facets.size(), facets.max_nodes) * floats;
+    }
   }
-  return values < 0 ? -1 : values * floats_per_value(variable);
+  return -1;
 }
 
 }  // namespace dea
