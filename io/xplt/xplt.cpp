@@ -19,19 +19,17 @@ namespace {
 constexpr int kTri10 = 15;
 
 /// By the format's code.
-const auto& shapes_by_code() {
-  using E = ElementShape;
-  static constexpr std::array<std::optional<E>, 20> kShapes = {
-      E::Hex8, E::Penta6, E::Tet4,  E::Quad4,   E::Tri3,  E::Line2,     E::Hex20, E::Tet10, E::Tet15,  E::Hex27,
-      E::Tri6, E::Quad8,  E::Quad9, E::Penta15, E::Tet20, std::nullopt, E::Pyra5, E::Tet5,  E::Pyra13, E::Line3};
-  return kShapes;
-}
+constexpr std::array<std::optional<ElementShape>, 20> kShapesByCode = {
+    ElementShape::Hex8,  ElementShape::Penta6, ElementShape::Tet4,  ElementShape::Quad4,   ElementShape::Tri3,
+    ElementShape::Line2, ElementShape::Hex20,  ElementShape::Tet10, ElementShape::Tet15,   ElementShape::Hex27,
+    ElementShape::Tri6,  ElementShape::Quad8,  ElementShape::Quad9, ElementShape::Penta15, ElementShape::Tet20,
+    std::nullopt,        ElementShape::Pyra5,  ElementShape::Tet5,  ElementShape::Pyra13,  ElementShape::Line3};
 
 }  // namespace
 
 std::optional<ElementShape> xplt_element_shape(int element_type) {
-  const auto& shapes = shapes_by_code();
-  return element_type >= 0 && element_type < static_cast<int>(shapes.size()) ? shapes[at(element_type)] : std::nullopt;
+  const bool known = element_type >= 0 && at(element_type) < kShapesByCode.size();
+  return known ? kShapesByCode[at(element_type)] : std::nullopt;
 }
 
 bool written_by_dea(const XpltFile& file) { return file.software.rfind("FEBioDEA", 0) == 0; }
@@ -43,10 +41,9 @@ int xplt_nodes_per_element(int element_type) {
 }
 
 int xplt_element_type(ElementShape shape) {
-  const auto& shapes = shapes_by_code();
-  const auto found = std::find(shapes.begin(), shapes.end(), shape);
-  assert(found != shapes.end());
-  return static_cast<int>(found - shapes.begin());
+  const auto found = std::find(kShapesByCode.begin(), kShapesByCode.end(), shape);
+  assert(found != kShapesByCode.end());
+  return static_cast<int>(found - kShapesByCode.begin());
 }
 
 int xplt_elements(const XpltDomain& domain) { return static_cast<int>(domain.element_ids.size()); }
@@ -88,10 +85,9 @@ std::int64_t values_in_region(const XpltMesh& mesh, XpltFormat format, const std
     case XpltFormat::Mult:
       return items * slots;
     case XpltFormat::Region:
-      return 1;
+      break;
   }
-  assert(false);
-  return 0;
+  return 1;
 }
 
 }  // namespace
