@@ -133,8 +133,7 @@ bool is_frame(const std::string& name) {
 }
 
 void write_frames(const Animation& animation, const PictureOptions& look, const EachFrame& each) {
-  using Put = std::function<void(const std::string&, const std::string&)>;
-  write_folder(animation.path, is_frame, [&](const Put& put) {
+  write_folder(animation.path, is_frame, [&](const PutFile& put) {
     each([&](MapFigure& figure, int frame, int frames) { put(frame_name(frame, frames), picture(figure, look)); });
   });
 }

@@ -9,7 +9,7 @@
 #include "io/run/spring_memory.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
-#include "views/data/info_json.h"
+#include "views/data/run_json.h"
 #include "views/text/info_text.h"
 
 namespace dea {

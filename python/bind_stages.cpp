@@ -27,7 +27,7 @@
 #include "src/rules/idle_loads.h"
 #include "src/rules/rules.h"
 #include "src/run/check.h"
-#include "views/data/info_json.h"
+#include "views/data/run_json.h"
 #include "views/text/info_text.h"
 
 namespace dea::python {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "io/files/output.h"
-#include "io/files/spool.h"
 #include "io/results/plot_file.h"
 #include "io/run/wanted_states.h"
 #include "io/vtu/write_vtu.h"

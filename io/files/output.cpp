@@ -8,9 +8,8 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <deque>
-#include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "io/files/system.h"
 #include "src/base/error.h"
@@ -22,8 +21,6 @@ namespace dea {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Pieces = std::function<void(const std::function<void(const std::string& piece)>& put)>;
 
 /// The paths of all Temporary. Places stay for ever, for a signal may come while others come and go.
 struct Place {
@@ -141,6 +138,23 @@ int take_lock(const fs::path& path, const NamedPath& output) {
   }
 }
 
+/// A file, a folder or a new name: what lies where there is room for results. No device, pipe or standard output.
+bool lies_on_disk(const std::string& path) {
+  std::error_code error;
+  const fs::file_type type = fs::status(path, error).type();
+  return path != "-" &&
+         (type == fs::file_type::regular || type == fs::file_type::directory || type == fs::file_type::not_found);
+}
+
+int nameless_file(const std::string& beside) {
+  fs::path name;
+  const int file = lies_on_disk(beside) ? create_temporary(fs::path(beside).parent_path(), name) : -1;
+  if (file < 0) return open_nameless();
+  std::error_code error;
+  fs::remove(name, error);
+  return file;
+}
+
 }  // namespace
 
 void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
@@ -182,10 +196,10 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
 }
 
 void write_text(const std::string& path, const std::string& text) {
-  write_pieces(path, [&](const std::function<void(const std::string&)>& put) { put(text); });
+  write_pieces(path, [&](const PutPiece& put) { put(text); });
 }
 
-void write_pieces(const std::string& path, const Pieces& write) {
+void write_pieces(const std::string& path, const std::function<void(const PutPiece& put)>& write) {
   if (path == "-") {
     write(write_stdout);
     return;
@@ -213,10 +227,8 @@ void write_open_file(const std::string& path, const std::function<void(int file)
   write_beside(path, target, write);
 }
 
-void write_folder(
-    const std::string& path, const std::function<bool(const std::string& name)>& old,
-    const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>&
-        write) {
+void write_folder(const std::string& path, const std::function<bool(const std::string& name)>& old,
+                  const std::function<void(const PutFile& put)>& write) {
   std::error_code error;
   const fs::path target = fs::weakly_canonical(fs::absolute(without_slash(path), error), error);
   const bool there = fs::exists(target, error);
@@ -274,11 +286,31 @@ void remove_unfinished() {
       if (const char* path = p->path) remove(path);
 }
 
-HeldOutputs::~HeldOutputs() {
-  for (Held& h : held_) {
-    h.name.reset();  // before it is let go: nobody waits for a file without a name
-    close_file(h.file);
+Spool::Spool(std::string path) : path_(std::move(path)) {
+  file_ = nameless_file(path_);
+  if (file_ < 0) cannot_write(path_, errno);
+}
+
+Spool::~Spool() { close_file(file_); }
+
+void Spool::add(const std::string& bytes) {
+  if (const int why = write_all(file_, bytes)) cannot_write(path_, why);
+  size_ += bytes.size();
+}
+
+void Spool::read(std::uint64_t begin, std::uint64_t count, const PutPiece& put) const {
+  while (count > 0) {
+    const std::string piece = read_at(file_, begin, std::min<std::uint64_t>(count, std::uint64_t{1} << 20));
+    if (piece.empty()) cannot_write(path_, errno);
+    put(piece);
+    begin += piece.size();
+    count -= piece.size();
   }
+}
+
+HeldOutput::~HeldOutput() {
+  name.reset();  // before it is let go: nobody waits for a file without a name
+  close_file(file);
 }
 
 HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs) {
@@ -291,7 +323,7 @@ HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<Name
     if (path.empty()) continue;
     const int file = take_lock(path, output);
     if (file < 0) continue;
-    all.held_.push_back({file, std::make_unique<Temporary>(path)});
+    all.emplace_back(file, path);
     std::error_code error;  // where it cannot be written, others are told without the number
     fs::resize_file(path, 0, error);
     write_all(file, fmt::format("{}\n", process_id()));

@@ -1,9 +1,11 @@
 // io/files/output.h – where results go: files that are complete or not there and one command's at a time, standard
 // output that is checked.
 #pragma once
+#include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +23,8 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
 /// Writes a whole text: "-" to standard output; a file by way of a temporary one beside it. Throws WriteError.
 void write_text(const std::string& path, const std::string& text);
 /// The same of a text that comes in pieces: `write` calls `put` with each. What `write` throws leaves nothing behind.
-void write_pieces(const std::string& path,
-                  const std::function<void(const std::function<void(const std::string& piece)>& put)>& write);
+using PutPiece = std::function<void(const std::string& piece)>;
+void write_pieces(const std::string& path, const std::function<void(const PutPiece& put)>& write);
 
 /// The same by whoever is given an open file: another program. A device or a pipe is refused: it is no place to go back
 /// in. Throws WriteError, and what `write` throws.
@@ -30,9 +32,9 @@ void write_open_file(const std::string& path, const std::function<void(int file)
 
 /// A folder of new files: it is there with all of them, or as it was before. `write` calls `put` with each. A folder
 /// that is there is replaced if `old(name)` holds for all of its files. Throws WriteError: it holds others.
-void write_folder(
-    const std::string& path, const std::function<bool(const std::string& name)>& old,
-    const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>& write);
+using PutFile = std::function<void(const std::string& name, const std::string& text)>;
+void write_folder(const std::string& path, const std::function<bool(const std::string& name)>& old,
+                  const std::function<void(const PutFile& put)>& write);
 
 /// A new file in `folder`, opened to write and read, under a short name of its own: the result's may already be as long
 /// as is allowed. -1 and errno: there is none.
@@ -49,29 +51,43 @@ struct Temporary {
 /// Takes away all Temporary there are. For signal handlers, before they end the program.
 void remove_unfinished();
 
-/// For as long as it lives no other process holds the same outputs. Each is held by an advisory lock on a small file
+/// For as long as it lives no other process holds the same output. It is held by an advisory lock on a small file
 /// beside it, ".NAME.lock", which is taken away at the end. A process that was killed holds nothing: the lock ends with
 /// it, and a file that it left behind is used again.
-class HeldOutputs {
- public:
-  HeldOutputs() = default;
-  HeldOutputs(HeldOutputs&& other) noexcept = default;
-  HeldOutputs& operator=(HeldOutputs&&) = delete;
-  ~HeldOutputs();
-
- private:
-  friend HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
-  struct Held {
-    int file;
-    std::unique_ptr<Temporary> name;
-  };
-  std::vector<Held> held_;
+struct HeldOutput {
+  const int file;
+  std::optional<Temporary> name;
+  HeldOutput(int locked, const std::filesystem::path& lock) : file(locked), name(lock) {}
+  ~HeldOutput();
 };
+using HeldOutputs = std::deque<HeldOutput>;
 
 /// The outputs, after check_outputs. Those of an empty path are not wanted. Standard output and devices are passed
 /// over, and file systems without locks. Throws WriteError: another process holds one of them, or its folder cannot be
 /// written to.
 [[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, std::vector<NamedPath> outputs);
+
+/// Bytes that wait on disk until what they are part of is complete: a file without a name, beside the result it is for
+/// or, where there is no room for it (no folder to write to, a device, standard output), among the system's temporary
+/// files. It goes with the process, killed or not.
+class Spool {
+ public:
+  /// `path`: of the result, for its place and its faults. Throws WriteError.
+  explicit Spool(std::string path);
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+  ~Spool();
+  /// At the end. Throws WriteError.
+  void add(const std::string& bytes);
+  std::uint64_t size() const { return size_; }
+  /// Gives `count` bytes from `begin` on to `put`, in pieces. Throws WriteError: they are not there any more.
+  void read(std::uint64_t begin, std::uint64_t count, const PutPiece& put) const;
+
+ private:
+  std::string path_;
+  int file_ = -1;
+  std::uint64_t size_ = 0;
+};
 
 /// Throws WriteError: what the system says of `error`, errno.
 [[noreturn]] void cannot_write(const std::string& path, int error);

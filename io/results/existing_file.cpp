@@ -11,6 +11,7 @@
 #include "io/results/plot_file.h"
 #include "io/xplt/xplt.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/time_text.h"
 
 namespace dea {
@@ -40,15 +41,7 @@ PlotKind kind_of(const XpltFile& file) {
 }
 
 const char* words_of(PlotKind kind) {
-  switch (kind) {
-    case PlotKind::Run:
-      return "results of dea run";
-    case PlotKind::Check:
-      return "what dea info -o writes";
-    case PlotKind::Comparison:
-      return "what dea compare -o writes";
-  }
-  return "";
+  return word_of(kind, {"results of dea run", "what dea info -o writes", "what dea compare -o writes"});
 }
 
 /// `outline`: filled if the file may be of this kind and ours.

@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -161,12 +160,10 @@ double volume_of(const MeshElements& elements, int element) {
 
 ElementMeasures measures_of(const Matrix3d& stress, const std::optional<Matrix3d>& strain) {
   const Eigen::VectorXd s = symmetric_eigenvalues(stress);
-  ElementMeasures m{0.5 * (s[2] - s[0]), kNaN, kNaN};
-  if (!strain) return m;
+  const double shear = 0.5 * (s[2] - s[0]);
+  if (!strain) return {shear, kNaN, kNaN};
   const Eigen::VectorXd e = symmetric_eigenvalues(*strain);
-  m.first_strain = e[2];
-  m.third_strain = e[0];
-  return m;
+  return {shear, e[2], e[0]};
 }
 
 }  // namespace
@@ -237,7 +234,7 @@ std::vector<double> row_field_values(const ResultFile& result, int state, int su
       if (field != row_field_name(m, row)) continue;
       std::vector<double> values;
       for (const ElementMeasures& of : row_measures(result, state, row_elements(result, state, surface, row)))
-        values.push_back(m == 0 ? of.max_shear : m == 1 ? of.first_strain : of.third_strain);
+        values.push_back(of[at(m)]);
       return values;
     }
   return {};

@@ -1,6 +1,7 @@
 // io/results/inside_rows.h – stress and strain of the rows of elements under a surface, from a plot file of
 // whatever program.
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -13,12 +14,9 @@ enum class InsideRow { Bone, Surface };
 inline constexpr InsideRow kInsideRows[] = {InsideRow::Bone, InsideRow::Surface};
 const char* name(InsideRow row);  ///< "bone", "surface"
 
-/// Numbers of tensors that do not depend on axes.
-struct ElementMeasures {
-  double max_shear = 0.0;     ///< half the difference of the greatest and the least principal value of `stress`
-  double first_strain = 0.0;  ///< greatest principal strain; NaN: the file tells of no strain
-  double third_strain = 0.0;  ///< least principal strain; NaN as the first
-};
+/// Numbers of tensors that do not depend on axes, in the order of kInsideMeasures: half the difference of the greatest
+/// and the least principal value of `stress`; greatest and least principal strain, NaN: the file tells of no strain.
+using ElementMeasures = std::array<double, 3>;
 
 /// Per facet of a surface the element of a row under it.
 struct RowElements {

@@ -107,7 +107,7 @@ bool left_out(const Layer& layer, int facet) {
 }
 
 /// A surface with one side of a contact.
-struct ContactSide {
+struct SurfaceSide {
   const Surface& surface;
   const Layer& layer;
   const SideFields& fields;
@@ -116,7 +116,7 @@ struct ContactSide {
 
 /// A value per vertex of a layer's articular surface, in the slots of the surface's facets. Facets left out have none,
 /// though they share nodes with the rim.
-std::vector<float> per_slot(const ContactSide& side, const std::vector<double>& per_vertex) {
+std::vector<float> per_slot(const SurfaceSide& side, const std::vector<double>& per_vertex) {
   const Surface& s = side.surface;
   const std::unordered_map<int, int> vertex = articular_vertices(side.layer);
   const int slots = max_nodes(s);
@@ -171,27 +171,27 @@ std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
 /// A field on contact surfaces: what it is, and its values on one side of a contact.
 struct SurfaceField {
   XpltVariable variable;
-  std::function<std::vector<float>(const ContactSide&)> values;
+  std::function<std::vector<float>(const SurfaceSide&)> values;
 };
 
 SurfaceField surface_field(XpltType type, XpltFormat format, const std::string& name, const std::string& units,
-                           std::function<std::vector<float>(const ContactSide&)> values) {
+                           std::function<std::vector<float>(const SurfaceSide&)> values) {
   return {{XpltGroup::Surface, type, format, name, units}, std::move(values)};
 }
 
 SurfaceField facet_field(const FacetField& field) {
   return surface_field(XpltType::Float, XpltFormat::Item, field.name, field.unit,
-                       [values = field.values](const ContactSide& s) { return per_facet(s.fields.*values); });
+                       [values = field.values](const SurfaceSide& s) { return per_facet(s.fields.*values); });
 }
 
 SurfaceField thickness_field() {
   return surface_field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L",
-                       [](const ContactSide& s) { return per_slot(s, s.fields.vertex_thickness); });
+                       [](const SurfaceSide& s) { return per_slot(s, s.fields.vertex_thickness); });
 }
 
 /// `inside`: also of the inside of layers.
 std::vector<SurfaceField> surface_fields(bool inside) {
-  using S = const ContactSide&;
+  using S = const SurfaceSide&;
   std::vector<SurfaceField> fields = {facet_field(facet_fields().front())};
   // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
   fields.push_back(surface_field(XpltType::Float, XpltFormat::Item, "contact gap", "L",
@@ -212,8 +212,8 @@ std::vector<SurfaceField> surface_fields(bool inside) {
 }
 
 /// `first`: index of the first of the fields.
-void add_fields(const std::vector<SurfaceField>& fields, const ContactSide& side, int region, std::size_t first,
-                XpltState& state) {
+void add_field_values(const std::vector<SurfaceField>& fields, const SurfaceSide& side, int region, std::size_t first,
+                      XpltState& state) {
   for (std::size_t v = 0; v < fields.size(); ++v) {
     std::vector<float> values = fields[v].values(side);
     if (!values.empty()) state.variables[first + v].push_back({region, std::move(values)});  // bare bone: none
@@ -273,7 +273,7 @@ std::vector<double> rim_at_vertices(const Layer& layer) {
 }
 
 /// Per facet: 0 used, 1 left out as side wall, 2 left out as bonded to bone.
-std::vector<double> left_out_facets(const ContactSide& side) {
+std::vector<double> left_out_facets(const SurfaceSide& side) {
   const Layer& layer = side.layer;
   std::vector<double> kinds(at(side.surface.size()), 0.0);
   for (int f = 0; f < side.surface.size(); ++f)
@@ -304,7 +304,7 @@ void add_surface_fields(const JointModel& model, const std::vector<int>& surface
     std::optional<SideFields> sum;  // one contact is the rule, and nothing to add
     if (shown[s].sides.size() > 1) sum = added_sides(shown[s].sides);
     const SideFields& side = sum ? *sum : *shown[s].sides.front();
-    add_fields(fields, {model.surfaces[s], *shown[s].layer, side}, surface[s], first, state);
+    add_field_values(fields, {model.surfaces[s], *shown[s].layer, side}, surface[s], first, state);
   }
 }
 
@@ -343,7 +343,7 @@ std::vector<double> missed_normals(const Layer& layer, const FieldMaps::LayerMap
 }
 
 std::vector<SurfaceField> check_fields() {
-  using S = const ContactSide&;
+  using S = const SurfaceSide&;
   constexpr XpltType kType = XpltType::Float;
   return {
       thickness_field(),
@@ -364,9 +364,9 @@ void add_check_fields(const JointModel& model, const PlotHead& head, const Joint
       const std::size_t surface = at(layer.surface);
       if (head.surface[surface] == 0 || done[surface]) continue;
       done[surface] = 1;
-      add_fields(fields,
-                 {model.surfaces[surface], layer, check.fields[c].sides[side], &check.maps.contacts[c].layers[side]},
-                 head.surface[surface], 0, state);
+      add_field_values(
+          fields, {model.surfaces[surface], layer, check.fields[c].sides[side], &check.maps.contacts[c].layers[side]},
+          head.surface[surface], 0, state);
     }
   }
   for (auto& regions : state.variables)

@@ -25,8 +25,6 @@ std::string content_of(const std::string& path) {
   return std::move(*content);
 }
 
-bool begins(const std::string& content, const char* word) { return content.rfind(word, 0) == 0; }
-
 /// Without a byte order mark and blanks at its beginning.
 std::string_view begun(const std::string& content) {
   std::string_view text = content;
@@ -51,9 +49,9 @@ TriangleSurface read_content(const std::string& path, const std::string& content
   const std::string extension = extension_of(path);
   if (content.empty()) throw InputError(path, 0, "found an empty file, expected a triangle surface");
   if (is_binary_stl(content)) return read_stl_binary(text);
-  if (begins(content, "ply\n") || begins(content, "ply\r")) return read_ply(text);
-  if (begins(content, "# vtk DataFile")) return read_vtk(text);
-  if (begins(content, "<?xml") || begins(content, "<VTKFile")) return read_vtp(path, content);
+  if (content.starts_with("ply\n") || content.starts_with("ply\r")) return read_ply(text);
+  if (content.starts_with("# vtk DataFile")) return read_vtk(text);
+  if (content.starts_with("<?xml") || content.starts_with("<VTKFile")) return read_vtp(path, content);
   if (extension == ".obj") return read_obj(text);
   const std::string_view word = begun(content).substr(0, 5);
   if (word == "solid" && content.find("facet") < 2000) return read_stl_text(text);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include "io/files/encoded_text.h"
-#include "io/files/output.h"
 #include "io/files/system.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
@@ -123,11 +121,10 @@ std::string nodal_data(const XpltFile& file, const XpltMesh& mesh, const XpltSta
 /// The surfaces that have values, each with points of its own: two may share nodes and differ there.
 struct SurfaceCells {
   Cells cells;
-  std::vector<int> surfaces;            ///< indices into XpltMesh::surfaces
-  std::vector<std::size_t> first_cell;  ///< per surface; one more entry: all cells
-  std::vector<int> nodes;               ///< per point: the mesh's node
-  std::vector<int> surface;             ///< per point: index into `surfaces`
-  std::vector<int> facet, slot;         ///< per point: the first facet that has it, and its place there
+  std::vector<int> surfaces;     ///< indices into XpltMesh::surfaces
+  std::vector<int> nodes;        ///< per point: the mesh's node
+  std::vector<int> surface;      ///< per point: index into `surfaces`
+  std::vector<int> facet, slot;  ///< per point: the first facet that has it, and its place there
   std::vector<std::int32_t> cell_surface, cell_facet;
 };
 
@@ -142,7 +139,6 @@ SurfaceCells surface_cells(const XpltFile& file, const XpltMesh& mesh, const Xpl
     if (!has_values[s]) continue;
     const XpltFacets& facets = mesh.surfaces[s];
     out.surfaces.push_back(static_cast<int>(s));
-    out.first_cell.push_back(out.cells.types.size());
     std::unordered_map<int, std::int64_t> point_of;
     for (int f = 0; f < facets.size(); ++f) {
       const int begin = facets.begin[at(f)], count = facets.begin[at(f) + 1] - begin;
@@ -159,7 +155,6 @@ SurfaceCells surface_cells(const XpltFile& file, const XpltMesh& mesh, const Xpl
       out.cell_facet.push_back(f + 1);
     }
   }
-  out.first_cell.push_back(out.cells.types.size());
   return out;
 }
 
@@ -170,12 +165,16 @@ const std::vector<float>* values_of(const std::vector<XpltRegion>& regions, int 
   return nullptr;
 }
 
-std::vector<float> per_cell(const SurfaceCells& out, const std::vector<XpltRegion>& regions, int components) {
-  std::vector<float> all(out.cells.types.size() * at(components), 0.0f);
-  for (std::size_t s = 0; s < out.surfaces.size(); ++s)
-    if (const std::vector<float>* values = values_of(regions, out.surfaces[s]))
-      std::copy(values->begin(), values->end(),
-                all.begin() + static_cast<std::ptrdiff_t>(out.first_cell[s] * at(components)));
+/// Values of a variable on these surfaces or domains, one after the other; 0 where one has none.
+std::vector<float> in_a_row(const XpltMesh& mesh, const XpltVariable& variable, const std::vector<XpltRegion>& regions,
+                            const std::vector<int>& parts) {
+  std::vector<float> all;
+  for (int part : parts) {
+    if (const std::vector<float>* values = values_of(regions, part))
+      all.insert(all.end(), values->begin(), values->end());
+    else
+      all.resize(all.size() + at(floats_in_region(mesh, variable, part + 1)), 0.0f);
+  }
   return all;
 }
 
@@ -192,15 +191,6 @@ std::vector<float> per_point(const SurfaceCells& out, const XpltMesh& mesh, cons
   return all;
 }
 
-std::vector<float> per_surface(const SurfaceCells& out, const std::vector<XpltRegion>& regions, int components) {
-  std::vector<float> all;
-  for (int surface : out.surfaces) {
-    const std::vector<float>* values = values_of(regions, surface);
-    for (int k = 0; k < components; ++k) all.push_back(values ? (*values)[at(k)] : 0.0f);
-  }
-  return all;
-}
-
 /// Fields with a value per element; 0 in domains without.
 std::string element_data(const XpltFile& file, const XpltMesh& mesh, const XpltState& state) {
   std::string data;
@@ -208,16 +198,8 @@ std::string element_data(const XpltFile& file, const XpltMesh& mesh, const XpltS
     const XpltVariable& variable = file.variables[v];
     if (variable.group != XpltGroup::Domain || variable.format != XpltFormat::Item || state.variables[v].empty())
       continue;
-    const int components = floats_per_value(variable);
-    std::vector<float> all;
-    for (std::size_t d = 0; d < mesh.domains.size(); ++d) {
-      const std::vector<float>* values = values_of(state.variables[v], static_cast<int>(d));
-      if (values != nullptr)
-        all.insert(all.end(), values->begin(), values->end());
-      else
-        all.resize(all.size() + mesh.domains[d].element_ids.size() * at(components), 0.0f);
-    }
-    data += data_array(variable.name, components, all);
+    data += data_array(variable.name, floats_per_value(variable),
+                       in_a_row(mesh, variable, state.variables[v], straight(static_cast<int>(mesh.domains.size()))));
   }
   return data;
 }
@@ -312,11 +294,11 @@ std::string surfaces_vtu(const XpltFile& file, std::size_t index) {
     const std::vector<XpltRegion>& regions = state.variables[v];
     const int components = floats_per_value(variable);
     if (variable.format == XpltFormat::Item)
-      cell_data += data_array(variable.name, components, per_cell(out, regions, components));
+      cell_data += data_array(variable.name, components, in_a_row(mesh, variable, regions, out.surfaces));
     else if (variable.format == XpltFormat::Mult)
       point_data += data_array(variable.name, components, per_point(out, mesh, regions, components));
     else if (variable.format == XpltFormat::Region)
-      field_data += data_array(variable.name, components, per_surface(out, regions, components), true);
+      field_data += data_array(variable.name, components, in_a_row(mesh, variable, regions, out.surfaces), true);
   }
   return document(out.nodes.size(), out.cells, field_data,
                   data_array("Points", 3, picked(mesh.coordinates, out.nodes, 3)), point_data,
@@ -325,11 +307,9 @@ std::string surfaces_vtu(const XpltFile& file, std::size_t index) {
 
 namespace {
 
-using Put = std::function<void(const std::string& piece)>;
-
 /// `give`: gives one of the texts, those of mesh and surfaces of each state in turn, to `put`.
 void write_files(const std::string& folder, const std::vector<float>& times,
-                 const std::function<void(std::size_t text, const Put& put)>& give) {
+                 const std::function<void(std::size_t text, const PutPiece& put)>& give) {
   std::error_code error;
   const auto fail = [](const fs::path& path, const std::string& why) {
     throw WriteError(fmt::format("{}: {}", path.string(), why));
@@ -344,7 +324,7 @@ void write_files(const std::string& folder, const std::vector<float>& times,
     const Temporary temporary(own);
 
     std::vector<std::string> names;
-    const auto add = [&](const std::string& name, const std::function<void(const Put&)>& text) {
+    const auto add = [&](const std::string& name, const std::function<void(const PutPiece&)>& text) {
       if (fs::is_directory(target / name, error)) fail(target / name, "is a folder");
       const std::string path = (own / name).string();
       try {
@@ -356,10 +336,10 @@ void write_files(const std::string& folder, const std::vector<float>& times,
       names.push_back(name);
     };
     for (std::size_t i = 0; i < times.size(); ++i) {
-      add(file_name("mesh", i), [&](const Put& put) { give(2 * i, put); });
-      add(file_name("surfaces", i), [&](const Put& put) { give(2 * i + 1, put); });
+      add(file_name("mesh", i), [&](const PutPiece& put) { give(2 * i, put); });
+      add(file_name("surfaces", i), [&](const PutPiece& put) { give(2 * i + 1, put); });
     }
-    add("results.pvd", [&](const Put& put) { put(pvd(times)); });
+    add("results.pvd", [&](const PutPiece& put) { put(pvd(times)); });
     for (const std::string& name : names) {
       fs::rename(own / name, target / name, error);
       if (error) fail(target / name, error.message());
@@ -375,7 +355,7 @@ void write_files(const std::string& folder, const std::vector<float>& times,
 void write_vtu(const std::string& folder, const XpltFile& file) {
   std::vector<float> times;
   for (const XpltState& state : file.states) times.push_back(state.time);
-  write_files(folder, times, [&](std::size_t text, const Put& put) {
+  write_files(folder, times, [&](std::size_t text, const PutPiece& put) {
     put(text % 2 == 0 ? mesh_vtu(file, text / 2) : surfaces_vtu(file, text / 2));
   });
 }
@@ -396,7 +376,7 @@ void VtuWriter::add(XpltState state) {
 }
 
 void VtuWriter::finish() {
-  write_files(folder_, times_, [&](std::size_t text, const Put& put) {
+  write_files(folder_, times_, [&](std::size_t text, const PutPiece& put) {
     const std::uint64_t begin = text == 0 ? 0 : ends_[text - 1];
     texts_.read(begin, ends_[text] - begin, put);
   });

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/files/spool.h"
+#include "io/files/output.h"
 #include "io/xplt/xplt.h"
 
 namespace dea {

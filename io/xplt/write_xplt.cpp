@@ -17,7 +17,6 @@
 
 #include "io/files/encoded_text.h"
 #include "io/files/output.h"
-#include "io/files/spool.h"
 #include "io/xplt/xplt.h"
 #include "io/xplt/xplt_format.h"
 #include "src/base/error.h"

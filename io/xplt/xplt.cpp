@@ -1,7 +1,6 @@
 #include "io/xplt/xplt.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "src/base/numbers.h"
@@ -20,19 +19,17 @@ namespace {
 constexpr int kTri10 = 15;
 
 /// By the format's code.
-const auto& shapes_by_code() {
-  using E = ElementShape;
-  static constexpr std::array<std::optional<E>, 20> kShapes = {
-      E::Hex8, E::Penta6, E::Tet4,  E::Quad4,   E::Tri3,  E::Line2,     E::Hex20, E::Tet10, E::Tet15,  E::Hex27,
-      E::Tri6, E::Quad8,  E::Quad9, E::Penta15, E::Tet20, std::nullopt, E::Pyra5, E::Tet5,  E::Pyra13, E::Line3};
-  return kShapes;
-}
+constexpr std::array<std::optional<ElementShape>, 20> kShapesByCode = {
+    ElementShape::Hex8,  ElementShape::Penta6, ElementShape::Tet4,  ElementShape::Quad4,   ElementShape::Tri3,
+    ElementShape::Line2, ElementShape::Hex20,  ElementShape::Tet10, ElementShape::Tet15,   ElementShape::Hex27,
+    ElementShape::Tri6,  ElementShape::Quad8,  ElementShape::Quad9, ElementShape::Penta15, ElementShape::Tet20,
+    std::nullopt,        ElementShape::Pyra5,  ElementShape::Tet5,  ElementShape::Pyra13,  ElementShape::Line3};
 
 }  // namespace
 
 std::optional<ElementShape> xplt_element_shape(int element_type) {
-  const auto& shapes = shapes_by_code();
-  return element_type >= 0 && element_type < static_cast<int>(shapes.size()) ? shapes[at(element_type)] : std::nullopt;
+  const bool known = element_type >= 0 && at(element_type) < kShapesByCode.size();
+  return known ? kShapesByCode[at(element_type)] : std::nullopt;
 }
 
 bool written_by_dea(const XpltFile& file) { return file.software.rfind("FEBioDEA", 0) == 0; }
@@ -44,10 +41,9 @@ int xplt_nodes_per_element(int element_type) {
 }
 
 int xplt_element_type(ElementShape shape) {
-  const auto& shapes = shapes_by_code();
-  const auto found = std::find(shapes.begin(), shapes.end(), shape);
-  assert(found != shapes.end());
-  return static_cast<int>(found - shapes.begin());
+  const auto found = std::find(kShapesByCode.begin(), kShapesByCode.end(), shape);
+  assert(found != kShapesByCode.end());
+  return static_cast<int>(found - kShapesByCode.begin());
 }
 
 int xplt_elements(const XpltDomain& domain) { return static_cast<int>(domain.element_ids.size()); }
@@ -89,44 +85,36 @@ std::int64_t values_in_region(const XpltMesh& mesh, XpltFormat format, const std
     case XpltFormat::Mult:
       return items * slots;
     case XpltFormat::Region:
-      return 1;
+      break;
   }
-  assert(false);
-  return 0;
-}
-
-std::int64_t values_on_facets(const XpltMesh& mesh, XpltFormat format, const std::vector<XpltFacets>& all, int region) {
-  if (region < 1 || static_cast<std::size_t>(region) > all.size()) return -1;
-  const XpltFacets& facets = all[static_cast<std::size_t>(region) - 1];
-  return values_in_region(mesh, format, facets.nodes, facets.size(), facets.max_nodes);
+  return 1;
 }
 
 }  // namespace
 
 std::int64_t floats_in_region(const XpltMesh& mesh, const XpltVariable& variable, int region) {
-  std::int64_t values = -1;
+  const int floats = floats_per_value(variable);
+  const auto is_among = [region](const auto& all) { return region >= 1 && at(region) <= all.size(); };
   switch (variable.group) {
     case XpltGroup::Global:
-      if (region == 0) values = 1;
-      break;
+      return region == 0 ? floats : -1;
     case XpltGroup::Nodal:  // whatever its format says
-      if (region == 0) values = static_cast<std::int64_t>(mesh.node_ids.size());
-      break;
-    case XpltGroup::Domain:
-      if (region >= 1 && static_cast<std::size_t>(region) <= mesh.domains.size()) {
-        const XpltDomain& domain = mesh.domains[static_cast<std::size_t>(region) - 1];
-        values = values_in_region(mesh, variable.format, domain.nodes, xplt_elements(domain),
-                                  xplt_nodes_per_element(domain.element_type));
-      }
-      break;
+      return region == 0 ? static_cast<std::int64_t>(mesh.node_ids.size()) * floats : -1;
+    case XpltGroup::Domain: {
+      if (!is_among(mesh.domains)) return -1;
+      const XpltDomain& domain = mesh.domains[at(region - 1)];
+      const int nodes = xplt_nodes_per_element(domain.element_type);
+      return values_in_region(mesh, variable.format, domain.nodes, xplt_elements(domain), nodes) * floats;
+    }
     case XpltGroup::Surface:
-      values = values_on_facets(mesh, variable.format, mesh.surfaces, region);
-      break;
-    case XpltGroup::Edge:
-      values = values_on_facets(mesh, variable.format, mesh.edges, region);
-      break;
+    case XpltGroup::Edge: {
+      const std::vector<XpltFacets>& all = variable.group == XpltGroup::Surface ? mesh.surfaces : mesh.edges;
+      if (!is_among(all)) return -1;
+      const XpltFacets& facets = all[at(region - 1)];
+      return values_in_region(mesh, variable.format, facets.nodes, facets.size(), facets.max_nodes) * floats;
+    }
   }
-  return values < 0 ? -1 : values * floats_per_value(variable);
+  return -1;
 }
 
 }  // namespace dea

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "io/files/spool.h"
+#include "io/files/output.h"
 #include "src/model/joint_model.h"
 
 namespace dea {

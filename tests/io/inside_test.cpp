@@ -116,9 +116,9 @@ TEST(InsideRows, StrainOfDisplacements) {
     ASSERT_EQ(row.element, std::vector<int>{0}) << element_type(shape.first).name;
     EXPECT_NEAR(row.volume[0], shape.second, 1e-6) << element_type(shape.first).name;
     const ElementMeasures m = row_measures(file, 0, row).at(0);
-    EXPECT_NEAR(m.max_shear, 2.0, 1e-6);  // (5 - 1)/2
-    EXPECT_NEAR(m.first_strain, strain[2], 1e-6) << element_type(shape.first).name;
-    EXPECT_NEAR(m.third_strain, strain[0], 1e-6) << element_type(shape.first).name;
+    EXPECT_NEAR(m[0], 2.0, 1e-6);  // (5 - 1)/2
+    EXPECT_NEAR(m[1], strain[2], 1e-6) << element_type(shape.first).name;
+    EXPECT_NEAR(m[2], strain[0], 1e-6) << element_type(shape.first).name;
   }
 }
 
@@ -127,8 +127,8 @@ TEST(InsideRows, StoredStrain) {
   const ResultFile file = one_element(ElementShape::Hex8, Matrix3d::Identity(), true);
   const ElementMeasures m = row_measures(file, 0, row_elements(file, 0, 0, InsideRow::Bone)).at(0);
   const double middle = -0.05, half = std::hypot(0.15, 0.05);
-  EXPECT_NEAR(m.first_strain, middle + half, 1e-6);
-  EXPECT_NEAR(m.third_strain, middle - half, 1e-6);
+  EXPECT_NEAR(m[1], middle + half, 1e-6);
+  EXPECT_NEAR(m[2], middle - half, 1e-6);
 }
 
 // No row at the bone of tetrahedra; no strain where nothing tells of it; no values without stress.
@@ -139,8 +139,8 @@ TEST(InsideRows, WhatIsNotThere) {
   ResultFile still = one_element(ElementShape::Hex8, Matrix3d::Identity(), false);
   still.xplt.states[0].variables[0].clear();
   const ElementMeasures m = row_measures(still, 0, row_elements(still, 0, 0, InsideRow::Surface)).at(0);
-  EXPECT_NEAR(m.max_shear, 2.0, 1e-6);
-  EXPECT_TRUE(std::isnan(m.first_strain));
+  EXPECT_NEAR(m[0], 2.0, 1e-6);
+  EXPECT_TRUE(std::isnan(m[1]));
   still.xplt.states[0].variables[1].clear();
   EXPECT_TRUE(row_measures(still, 0, row_elements(still, 0, 0, InsideRow::Surface)).empty());
   EXPECT_TRUE(row_field_values(still, 0, 0, "contact pressure").empty());

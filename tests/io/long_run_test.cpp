@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "io/feb/read_feb.h"
-#include "io/files/spool.h"
+#include "io/files/output.h"
 #include "io/results/plot_file.h"
 #include "io/vtu/write_vtu.h"
 #include "src/base/error.h"

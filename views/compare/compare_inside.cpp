@@ -10,14 +10,11 @@ namespace dea {
 namespace {
 
 /// One measure of the compared elements.
-std::vector<double> values_of(const std::vector<ElementMeasures>& elements, double ElementMeasures::*measure) {
+std::vector<double> values_of(const std::vector<ElementMeasures>& elements, std::size_t measure) {
   std::vector<double> values;
-  for (const ElementMeasures& e : elements) values.push_back(e.*measure);
+  for (const ElementMeasures& e : elements) values.push_back(e[measure]);
   return values;
 }
-
-constexpr double ElementMeasures::*kMeasures[] = {&ElementMeasures::max_shear, &ElementMeasures::first_strain,
-                                                  &ElementMeasures::third_strain};
 
 InsideDistribution distribution_of(const std::vector<double>& values, const std::vector<double>& volume, bool least) {
   if (std::any_of(values.begin(), values.end(), [](double x) { return std::isnan(x); })) return {};
@@ -50,8 +47,7 @@ RowInFiles row_in_files(const std::vector<RowsOfFile>& files, InsideRow row, con
     volume = elements.volume;
   }
   for (std::size_t f = 0; f < pressed.size(); ++f) {
-    const bool everywhere =
-        std::all_of(all.begin(), all.end(), [f](const auto& m) { return !std::isnan(m[f].max_shear); });
+    const bool everywhere = std::all_of(all.begin(), all.end(), [f](const auto& m) { return !std::isnan(m[f][0]); });
     if (!pressed[f] || !everywhere) continue;
     for (std::size_t i = 0; i < all.size(); ++i) out.files[i].push_back(all[i][f]);
     out.volume.push_back(volume[f]);
@@ -74,14 +70,13 @@ std::vector<ComparedRow> compare_inside(const std::vector<RowsOfFile>& files) {
     for (const auto& elements : in.files) {
       InsideStatistics s;
       for (std::size_t m = 0; m < 3; ++m)
-        s.*kInsideMeasures[m].value = distribution_of(values_of(elements, kMeasures[m]), in.volume, m == 2);
+        s.*kInsideMeasures[m].value = distribution_of(values_of(elements, m), in.volume, m == 2);
       row.results.push_back(s);
     }
     for (std::size_t i = 0; i + 1 < files.size(); ++i) {
       row.correlation.emplace_back();
       for (std::size_t m = 0; m < 3; ++m)
-        row.correlation.back()[m] =
-            correlation(values_of(in.files[i], kMeasures[m]), values_of(in.files.back(), kMeasures[m]), in.volume);
+        row.correlation.back()[m] = correlation(values_of(in.files[i], m), values_of(in.files.back(), m), in.volume);
     }
     rows.push_back(std::move(row));
   }

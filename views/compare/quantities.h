@@ -16,20 +16,20 @@ struct Quantity {
   Dimension dimension = Dimension::Pressure;
 };
 
-template <class Get>
-Quantity quantity(const std::string& name, const ComparedRegion& region, Get get,
-                  Dimension dimension = Dimension::Pressure) {
+/// `get` of each entry of a list that has one per file.
+template <class List, class Get>
+Quantity quantity(const std::string& name, const List& list, Get get, Dimension dimension = Dimension::Pressure) {
   Quantity q{name, {}, true, dimension};
-  for (const SurfaceMeasures& m : region.results) q.values.push_back(get(m));
+  for (const auto& of_file : list) q.values.push_back(get(of_file));
   return q;
 }
 
 /// One of the headline numbers.
 inline Quantity headline_quantity(const HeadlineNumber& number, const ComparedRegion& region) {
-  Quantity q{number.name, {}};
-  if (number.value == &Headline::area) q.dimension = Dimension::Area;
-  for (const Headline& h : region.headlines) q.values.push_back(h.*number.value);
-  return q;
+  const bool area = number.value == &Headline::area;
+  return quantity(
+      number.name, region.headlines, [&](const Headline& h) { return h.*number.value; },
+      area ? Dimension::Area : Dimension::Pressure);
 }
 
 /// The numbers of a distribution of pressure.

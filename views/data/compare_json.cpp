@@ -120,8 +120,7 @@ std::vector<Quantity> last_csv_quantities(const ComparedRegion& region) {
     out.push_back(headline_quantity(number, region));
     out.back().name.insert(0, "headline_");
   }
-  out.push_back({"headline_above", {}});
-  for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
+  out.push_back(quantity("headline_above", region.headlines, [](const Headline& h) { return h.above; }));
   return out;
 }
 
@@ -151,28 +150,26 @@ std::vector<Quantity> inside_quantities(const Comparison& c, const ComparedSurfa
 /// Every number of a file about a region, with its column's name.
 std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface& surface,
                                      const ComparedRegion& region) {
+  using M = const SurfaceMeasures&;
   std::vector<Quantity> out;
   for (std::size_t k = 0; k < c.thresholds.size(); ++k) {
     for (const bool nodes : {true, false}) {
       for (const DistributionNumber& share : kDistributionNumbers) {
-        out.push_back(
-            quantity(fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]), region,
-                     [&](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*share.value; }));
+        out.push_back(quantity(fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]),
+                               region.results, [&](M m) { return (nodes ? m.nodes[k] : m.facets[k]).*share.value; }));
       }
     }
   }
   const auto vector = [&](const std::string& key, Vector3d SurfaceMeasures::*value) {
     for (int k = 0; k < 3; ++k)
-      out.push_back(quantity(key + "xyz"[k], region, [=](const SurfaceMeasures& m) { return (m.*value)[k]; }));
+      out.push_back(quantity(key + "xyz"[k], region.results, [=](M m) { return (m.*value)[k]; }));
   };
   vector("resultant_", &SurfaceMeasures::resultant);
   vector("center_of_pressure_", &SurfaceMeasures::center_of_pressure);
-  out.push_back(quantity("mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
-  out.push_back(quantity("max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
-  for (const TimeNumber& sum : kTimeNumbers) {
-    out.push_back({sum.key, {}});
-    for (const TimeMeasures& m : region.over_time) out.back().values.push_back(m.*sum.value);
-  }
+  out.push_back(quantity("mean_penetration", region.results, [](M m) { return m.mean_penetration; }));
+  out.push_back(quantity("max_penetration", region.results, [](M m) { return m.max_penetration; }));
+  for (const TimeNumber& sum : kTimeNumbers)
+    out.push_back(quantity(sum.key, region.over_time, [&](const TimeMeasures& m) { return m.*sum.value; }));
   const auto difference = [&](const std::string& key, auto get) {
     out.push_back({key, {}});
     for (std::size_t i = 0; i < region.differences.size(); ++i) out.back().values.push_back(get(i));

@@ -1,8 +1,10 @@
-// views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
+// views/data/run_json.h – settings, what was recognised in a model, runs and convergence studies as JSON. Undefined
+// numbers are null.
 #pragma once
 #include <functional>
 
 #include "src/run/analysis.h"
+#include "src/run/check.h"
 #include "src/run/convergence.h"
 #include "views/data/json.h"
 
@@ -14,6 +16,7 @@ struct Timings {
 };
 
 Json settings_json(const Settings& settings);
+Json info_json(const JointModel& model, const Settings& settings, const JointCheck& check);
 /// One state, and one contact in it, as run_json has them.
 Json state_json(const JointModel& model, const Joint& joint, const StateResult& state);
 Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair,

@@ -20,33 +20,28 @@ std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%"
 /// The table's lines with all that there is beside the headline numbers.
 std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
   std::vector<Quantity> out;
-  out.push_back({"threshold of the lines above", {}});
-  for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
+  out.push_back(quantity("threshold of the lines above", region.headlines, [](const Headline& h) { return h.above; }));
   using M = const SurfaceMeasures&;
-  const auto add = [&](const std::string& name, auto get, Dimension dimension = Dimension::Pressure) {
-    out.push_back(quantity(name, region, get, dimension));
+  using D = Dimension;
+  const auto add = [&](const std::string& name, Dimension dimension, auto get) {
+    out.push_back(quantity(name, region.results, get, dimension));
   };
   for (const DistributionNumber& number : kDistributionNumbers) {
     const std::string name = number.name;
     if (name != "peak" && name != "p99" && name != "mean" && name != "median") continue;
-    add(name + ", nodes > 0", [&](M m) { return m.nodes[0].*number.value; });
-    add(name + ", facets > 0", [&](M m) { return m.facets[0].*number.value; });
+    add(name + ", nodes > 0", D::Pressure, [&](M m) { return m.nodes[0].*number.value; });
+    add(name + ", facets > 0", D::Pressure, [&](M m) { return m.facets[0].*number.value; });
   }
   for (std::size_t t = 1; t < thresholds.size(); ++t)
-    add(fmt::format("mean, nodes > {:g}", thresholds[t]), [t](M m) { return m.nodes[t].mean; });
-  add(
-      "area, facets > 0", [](M m) { return m.facets[0].area; }, Dimension::Area);
+    add(fmt::format("mean, nodes > {:g}", thresholds[t]), D::Pressure, [t](M m) { return m.nodes[t].mean; });
+  add("area, facets > 0", D::Area, [](M m) { return m.facets[0].area; });
   for (std::size_t t = 0; t < thresholds.size(); ++t)
-    add(
-        fmt::format("area, nodes > {:g}", thresholds[t]), [t](M m) { return m.nodes[t].area; }, Dimension::Area);
-  add(
-      "resultant of the map", [](M m) { return m.resultant.norm(); }, Dimension::Force);
+    add(fmt::format("area, nodes > {:g}", thresholds[t]), D::Area, [t](M m) { return m.nodes[t].area; });
+  add("resultant of the map", D::Force, [](M m) { return m.resultant.norm(); });
   if (std::any_of(region.results.begin(), region.results.end(),
                   [](M m) { return std::isfinite(m.mean_penetration) && m.mean_penetration != 0; })) {
-    add(
-        "penetration, mean of facets", [](M m) { return m.mean_penetration; }, Dimension::Length);
-    add(
-        "penetration, largest of facets", [](M m) { return m.max_penetration; }, Dimension::Length);
+    add("penetration, mean of facets", D::Length, [](M m) { return m.mean_penetration; });
+    add("penetration, largest of facets", D::Length, [](M m) { return m.max_penetration; });
   }
   return out;
 }
@@ -125,9 +120,8 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   if (!details && !c.dose_above) return table;
   for (const TimeNumber& number : kTimeNumbers) {
     if (number.words == nullptr) continue;
-    Quantity q{number.words, {}};
+    Quantity q = quantity(number.words, region.over_time, [&](const TimeMeasures& m) { return m.*number.value; });
     if (number.value != &TimeMeasures::mean_peak) q.dimension = Dimension::None;  // times have no unit here
-    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*number.value);
     if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);
   }
   return table;

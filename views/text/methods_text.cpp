@@ -111,19 +111,16 @@ std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
+std::string value_text(std::monostate) { return ""; }
+std::string value_text(const std::vector<std::string>& all) { return fmt::format("{}", fmt::join(all, "; ")); }
+std::string value_text(const Eigen::Vector3d& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+template <class Value>
+std::string value_text(const Value& value) {
+  return fmt::format("{}", value);
+}
+
 std::string item_text(const SettingItem& item) {
-  struct Text {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(bool b) const { return b ? "true" : "false"; }
-    std::string operator()(int n) const { return std::to_string(n); }
-    std::string operator()(double x) const { return fmt::format("{}", x); }
-    std::string operator()(const std::string& s) const { return s; }
-    std::string operator()(const std::vector<std::string>& all) const {
-      return fmt::format("{}", fmt::join(all, "; "));
-    }
-    std::string operator()(const Eigen::Vector3d& v) const { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
-  };
-  return std::visit(Text(), item);
+  return std::visit([](const auto& value) { return value_text(value); }, item);
 }
 
 /// Every setting that is not as it is by itself: "law linear", "E socket=8".

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "src/base/names.h"
-#include "src/results/headline.h"
 
 namespace dea {
 
