@@ -15,7 +15,7 @@
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
 #include "io/files/system.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/build/remesh.h"
 #include "src/run/analysis.h"

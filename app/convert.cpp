@@ -8,7 +8,7 @@
 #include "io/files/existing_model.h"
 #include "io/files/held_outputs.h"
 #include "io/files/output.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -11,7 +11,7 @@
 
 #include "io/files/output.h"
 #include "io/files/packed_bytes.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -1,6 +1,6 @@
 #include "views/data/info_json.h"
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
 #include "src/version.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/numbers.h"
 #include "src/model/settings_table.h"
 #include "src/results/contact_numbers.h"
