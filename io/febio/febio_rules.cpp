@@ -125,13 +125,13 @@ std::string analysis_remark(const std::string& module, bool dynamic) {
 }
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  static const std::vector<std::string> known = read_words(kWords[at(WordOf::Contact)]);
+  static const std::vector<std::string> known = read_words(kWords[static_cast<std::size_t>(WordOf::Contact)]);
   if (!one_of(type, known)) return std::nullopt;
   return type == "sticky" || type.find("tied") != type.npos ? Contact::Kind::Tied : Contact::Kind::Sliding;
 }
 
 std::string word_advice(WordOf place, const std::string& word) {
-  const Words& words = kWords[at(place)];
+  const Words& words = kWords[static_cast<std::size_t>(place)];
   const std::vector<std::string> read = read_words(words);
   // A word of FEBio's own is no slip of the keyboard.
   const bool febio = one_of(word, split_words(words.febio));
