@@ -14,7 +14,7 @@
 #include "io/files/output.h"
 #include "io/files/system.h"
 #include "io/results/existing_file.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/build/remesh.h"
 #include "src/run/analysis.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "io/build/landmarks.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/surfaces/read_surface.h"
 #include "io/tables/read_tables.h"
 #include "io/tables/table.h"

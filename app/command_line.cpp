@@ -14,7 +14,7 @@
 #include "app/process.h"
 #include "io/files/free_memory.h"
 #include "io/files/output.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/model/settings_table.h"

@@ -7,7 +7,7 @@
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
 #include "io/results/existing_file.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "app/options.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/rules/rules.h"

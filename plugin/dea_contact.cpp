@@ -190,9 +190,8 @@ int shared_facets(const dea::JointModel& model, const dea::Contact& a, const dea
 
 /// Two contacts of type dea on the same surfaces, or on the same facets of others, would count the cartilage twice.
 void refuse_doubled_contacts(const dea::JointModel& model, const std::function<int(int)>& body_of) {
-  const auto complete = [&](const dea::Contact& c) {
-    return c.dea && c.primary >= 0 && c.secondary >= 0 && model.surfaces[at(c.primary)].size() > 0 &&
-           model.surfaces[at(c.secondary)].size() > 0;
+  const auto has_facets = [&](const dea::Contact& c) {
+    return model.surfaces[at(c.primary)].size() > 0 && model.surfaces[at(c.secondary)].size() > 0;
   };
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
@@ -203,7 +202,7 @@ void refuse_doubled_contacts(const dea::JointModel& model, const std::function<i
                             fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
                                         "one",
                                         a.name, b.name));
-      if (!complete(a) || !complete(b) || !dea::at_same_time(a.step, b.step)) continue;
+      if (!has_facets(a) || !has_facets(b) || !dea::at_same_time(a.step, b.step)) continue;
       if (const int shared = shared_facets(model, a, b, body_of); shared > 0)
         throw dea::fault_at(model, {0, 0},
                             fmt::format("contacts \"{}\" and \"{}\" both press {} of the same layer's facets, which "

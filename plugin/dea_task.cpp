@@ -3,6 +3,7 @@
 #include <FEBioLib/FEBioModel.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -88,16 +89,12 @@ std::vector<NamedPath> input_files(FEBioModel& fem, const std::string& settings_
 
 /// The first state that is no solution, and how many there are.
 std::string no_solution(const Analysis& analysis, const std::string& output) {
-  const StateResult* first = nullptr;
-  int count = 0;
-  for (const StateResult& s : analysis.states) {
-    if (solved(s.equilibrium.outcome)) continue;
-    if (first == nullptr) first = &s;
-    ++count;
-  }
-  return fmt::format("dea: no solution in {} of {} states, first at time {} ({}){}", count, analysis.states.size(),
-                     time_text(first->when.time), name(first->equilibrium.outcome),
-                     output.empty() ? "" : "; results are in " + output);
+  const std::vector<StateResult>& states = analysis.states;
+  const auto unsolved = [](const StateResult& s) { return !solved(s.equilibrium.outcome); };
+  const auto first = std::find_if(states.begin(), states.end(), unsolved);
+  return fmt::format("dea: no solution in {} of {} states, first at time {} ({}){}",
+                     std::count_if(first, states.end(), unsolved), states.size(), time_text(first->when.time),
+                     name(first->equilibrium.outcome), output.empty() ? "" : "; results are in " + output);
 }
 
 /// `writing` becomes true when files begin to be complete. Throws Stopped.

@@ -13,8 +13,7 @@ int discrete_set_of(Reading& reading, FEDomain& fe) {
   auto& sets = reading.model.discrete_sets;
   for (std::size_t i = 0; i < sets.size(); ++i)
     if (sets[i].name == fe.GetName()) return static_cast<int>(i);
-  DiscreteSet set;
-  set.name = fe.GetName();
+  DiscreteSet set = {fe.GetName(), {}, kNowhere};
   for (int i = 0; i < fe.Elements(); ++i) set.pairs.push_back({fe.ElementRef(i).m_node[0], fe.ElementRef(i).m_node[1]});
   sets.push_back(std::move(set));
   return static_cast<int>(sets.size()) - 1;

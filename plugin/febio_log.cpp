@@ -25,7 +25,7 @@ std::string escaped(const std::string& text, int times) {
 }
 
 /// Lines that FEBio's box takes as they are: it drops a letter of longer words and has room for ten lines.
-std::vector<std::string> box_lines(const std::string& text) {
+std::string box(const std::string& text) {
   constexpr std::size_t kWidth = 66, kMost = 10;
   std::vector<std::string> lines(1);
   std::istringstream words(message_line(text));
@@ -41,7 +41,7 @@ std::vector<std::string> box_lines(const std::string& text) {
     lines.resize(kMost);
     lines.back() = "...";
   }
-  return lines;
+  return escaped(fmt::format("{}", fmt::join(lines, "\n")), 2);
 }
 
 }  // namespace
@@ -73,16 +73,6 @@ void log_text(FEModel& fem, const std::string& text) {
     feLogEx(&fem, "\n");
   }
 }
-
-namespace {
-
-std::string box(const std::string& text) {
-  std::string joined;
-  for (const std::string& line : box_lines(text)) joined += (joined.empty() ? "" : "\n") + line;
-  return escaped(joined, 2);
-}
-
-}  // namespace
 
 void log_warning(FEModel& fem, const std::string& text) { feLogWarningEx((&fem), "%s", box(text).c_str()); }
 

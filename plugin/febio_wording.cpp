@@ -1,6 +1,6 @@
 #include "plugin/febio_wording.h"
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 
 namespace dea {
 

@@ -105,8 +105,7 @@ void read_mesh(Reading& reading) {
   }
   for (int i = 0; i < mesh.FacetSets(); ++i) {
     FEFacetSet& set = mesh.FacetSet(i);
-    Surface surface;
-    surface.name = set.GetName();
+    Surface surface = {set.GetName(), {0}, {}, kNowhere};
     for (int k = 0; k < set.Faces(); ++k) {
       const FEFacetSet::FACET& face = set.Face(k);
       surface.nodes.insert(surface.nodes.end(), face.node, face.node + face.Nodes());
@@ -118,8 +117,7 @@ void read_mesh(Reading& reading) {
   }
   for (int i = 0; i < mesh.NodeSets(); ++i) {
     const FENodeSet& fe = *mesh.NodeSet(i);
-    NodeSet set;
-    set.name = fe.GetName();
+    NodeSet set = {fe.GetName(), {}, kNowhere};
     for (int k = 0; k < fe.Size(); ++k) set.nodes.push_back(fe[k]);
     need_nodes(reading, "node set", set.name, set.nodes);
     model.node_sets.push_back(std::move(set));
@@ -131,8 +129,7 @@ void read_mesh(Reading& reading) {
   }
   for (int i = 0; i < mesh.DiscreteSets(); ++i) {
     const FEDiscreteSet& fe = mesh.DiscreteSet(i);
-    DiscreteSet set;
-    set.name = fe.GetName();
+    DiscreteSet set = {fe.GetName(), {}, kNowhere};
     for (int k = 0; k < fe.size(); ++k) {
       need_nodes(reading, "discrete set", set.name, {fe.Element(k).n0, fe.Element(k).n1});
       set.pairs.push_back({fe.Element(k).n0, fe.Element(k).n1});

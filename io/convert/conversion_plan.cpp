@@ -22,33 +22,27 @@ namespace {
 const NamedSetting kLinear = {"law", "", "linear"};
 
 void refuse_settings(const Settings& s) {
-  const auto refuse = [](const NamedSetting& given, const char* found, const char* expected) {
-    throw UsageError(Fault{.given = given, .found = found, .expected = expected});
+  const auto refuse = [](bool given, const NamedSetting& setting, const char* found,
+                         const char* expected = "leave it out") {
+    if (given) throw UsageError(Fault{.given = setting, .found = found, .expected = expected});
   };
-  if (s.springs_at == SpringsAt::Bone)
-    refuse({"springs-at", "", "bone"}, "a contact of type dea has its springs on the articular surface;",
-           "leave it out");
-  if (s.interface_stiffness) refuse({"interface-stiffness"}, "a contact of type dea has none;", "leave it out");
-  if (s.layer_fit != LayerFit::TwoTerms)
-    refuse({"layer-terms", "", "1"}, "a contact of type dea takes two;", "leave it out");
-  const auto refuse_load = [&](const char* setting, const auto& values) {
-    if (!values.empty())
-      refuse({setting, values.begin()->first}, "a converted file keeps the model's own motion and loads;",
-             "change them in the model");
+  refuse(s.springs_at == SpringsAt::Bone, {"springs-at", "", "bone"},
+         "a contact of type dea has its springs on the articular surface;");
+  refuse(s.interface_stiffness.has_value(), {"interface-stiffness"}, "a contact of type dea has none;");
+  refuse(s.layer_fit != LayerFit::TwoTerms, {"layer-terms", "", "1"}, "a contact of type dea takes two;");
+  constexpr const char* kInModel = "change them in the model";
+  const auto refuse_values = [&](const char* setting, const auto& values, const char* found) {
+    if (!values.empty()) refuse(true, {setting, values.begin()->first}, found, kInModel);
   };
-  refuse_load("force", s.force);
-  refuse_load("load-at", s.load_at);
-  refuse_load("free", s.free);
-  if (!s.set_values.empty())
-    refuse({"set", s.set_values.begin()->first}, "a converted file keeps the model's own springs and forces;",
-           "change them in the model");
-  const auto refuse_word = [&](const char* setting, bool given) {
-    if (given)
-      refuse({setting}, "a converted file keeps the model's own motion, loads and steps;", "change them in the model");
-  };
-  refuse_word("loads", !s.loads.file.empty());
-  refuse_word("motion", !s.motion.file.empty());
-  refuse_word("skip-steps", s.skip_steps);
+  constexpr const char* kLoads = "a converted file keeps the model's own motion and loads;";
+  refuse_values("force", s.force, kLoads);
+  refuse_values("load-at", s.load_at, kLoads);
+  refuse_values("free", s.free, kLoads);
+  refuse_values("set", s.set_values, "a converted file keeps the model's own springs and forces;");
+  constexpr const char* kSteps = "a converted file keeps the model's own motion, loads and steps;";
+  refuse(!s.loads.file.empty(), {"loads"}, kSteps, kInModel);
+  refuse(!s.motion.file.empty(), {"motion"}, kSteps, kInModel);
+  refuse(s.skip_steps, {"skip-steps"}, kSteps, kInModel);
 }
 
 InputError nothing_to_convert(const JointModel& model, const Contact& contact) {
@@ -165,11 +159,11 @@ void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector
                                    f.name, body.name));
     RigidFixed held;
     held.material = rigid_material[b];
-    for (std::size_t k = 0; k < kDofs; ++k)
-      held.dofs[k] = holds.dofs[k].state == DofState::Held && holds.dofs[k].by == HeldBy::Nodes;
     std::string dofs;
-    for (std::size_t k = 0; k < kDofs; ++k)
+    for (std::size_t k = 0; k < kDofs; ++k) {
+      held.dofs[k] = holds.dofs[k].state == DofState::Held && holds.dofs[k].by == HeldBy::Nodes;
       if (held.dofs[k]) dofs += fmt::format("{}{}", dofs.empty() ? "" : ", ", kDofNames[k]);
+    }
     if (dofs.empty()) continue;
     held.name = body.name + " held";
     plan.target.rigid_fixed.push_back(held);
@@ -187,7 +181,6 @@ void convert_domain(const JointModel& model, int index, const std::vector<int>& 
   std::vector<int> bodies = body_of_element;
   std::sort(bodies.begin(), bodies.end());
   bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-  Domain& first = plan.target.domains[at(index)];
   const std::size_t n = at(nodes_per_element(d.shape));
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Domain part = d;
@@ -208,7 +201,7 @@ void convert_domain(const JointModel& model, int index, const std::vector<int>& 
       plan.changes.push_back(fmt::format("domain \"{}\": material \"{}\" becomes \"{}\", rigid", part.name, old,
                                          plan.target.materials[at(part.material)].name));
     if (b == 0)
-      first = std::move(part);
+      plan.target.domains[at(index)] = std::move(part);
     else
       plan.target.domains.push_back(std::move(part));
   }
@@ -307,8 +300,7 @@ bool remove_rigid_nodes(const std::vector<char>& was_rigid, const std::vector<ch
   const auto became = [&](int node) { return is_rigid[at(node)] && !was_rigid[at(node)]; };
   if (std::none_of(condition.nodes.begin(), condition.nodes.end(), became)) return false;
   auto& nodes = condition.nodes;
-  nodes.erase(std::remove_if(nodes.begin(), nodes.end(), [&](int node) { return is_rigid[at(node)] != 0; }),
-              nodes.end());
+  std::erase_if(nodes, [&](int node) { return is_rigid[at(node)] != 0; });
   return nodes.empty();
 }
 
@@ -327,18 +319,19 @@ void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartila
 
 void convert_conditions(const JointModel& model, ConversionPlan& plan) {
   const std::vector<char> was_rigid = nodes_of_materials(model, rigid_materials(model, {}));
-  const auto one = [&](auto& condition, std::size_t before, const std::string& what, std::vector<char>& gone) {
-    gone.push_back(remove_rigid_nodes(was_rigid, plan.node_rigid, condition));
-    if (gone.back())
-      plan.changes.push_back(fmt::format("{} \"{}\": taken out, its nodes are rigid now", what, condition.name));
-    else if (condition.nodes.size() < before)
-      plan.changes.push_back(fmt::format("{} \"{}\": {} of its {} nodes are rigid now and taken out", what,
-                                         condition.name, before - condition.nodes.size(), before));
+  const auto take_out = [&](auto& conditions, const std::string& what, std::vector<char>& gone) {
+    for (auto& condition : conditions) {
+      const std::size_t before = condition.nodes.size();
+      gone.push_back(remove_rigid_nodes(was_rigid, plan.node_rigid, condition));
+      if (gone.back())
+        plan.changes.push_back(fmt::format("{} \"{}\": taken out, its nodes are rigid now", what, condition.name));
+      else if (condition.nodes.size() < before)
+        plan.changes.push_back(fmt::format("{} \"{}\": {} of its {} nodes are rigid now and taken out", what,
+                                           condition.name, before - condition.nodes.size(), before));
+    }
   };
-  for (std::size_t i = 0; i < model.rigid_nodes.size(); ++i)
-    one(plan.target.rigid_nodes[i], model.rigid_nodes[i].nodes.size(), "rigid node set", plan.rigid_nodes_gone);
-  for (std::size_t i = 0; i < model.fixed_nodes.size(); ++i)
-    one(plan.target.fixed_nodes[i], model.fixed_nodes[i].nodes.size(), "fixed nodes", plan.fixed_nodes_gone);
+  take_out(plan.target.rigid_nodes, "rigid node set", plan.rigid_nodes_gone);
+  take_out(plan.target.fixed_nodes, "fixed nodes", plan.fixed_nodes_gone);
 
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const Contact& c = model.contacts[i];

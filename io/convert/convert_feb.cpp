@@ -10,7 +10,7 @@
 #include "io/convert/conversion_plan.h"
 #include "io/convert/write_feb.h"
 #include "io/convert/xml_places.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "io/feb/feb_xml.h"
+#include "io/febio/febio_text.h"
 #include "io/files/encoded_text.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
@@ -143,6 +143,7 @@ void edit_conditions(Editing& e) {
     e.edits.set_attribute(element, "type", "dea");
     e.edits.set_content(element, dea_contact_lines(e.plan, e.plan.target.contacts[i]));
   }
+  const auto is_rigid = [&](int node) { return e.plan.node_rigid[at(node)] != 0; };
   // Fluid pressures and concentrations given at nodes that are rigid now: FEBio refuses them there.
   for (std::size_t i = 0; i < e.places.elements.size(); ++i) {
     const XmlPlace& place = e.places.elements[i];
@@ -151,9 +152,7 @@ void edit_conditions(Editing& e) {
     if (place.name != "bc" || !of_fluid) continue;
     const auto set = std::find_if(e.model.node_sets.begin(), e.model.node_sets.end(),
                                   [&](const NodeSet& s) { return s.name == place.value("node_set"); });
-    if (set == e.model.node_sets.end() ||
-        std::none_of(set->nodes.begin(), set->nodes.end(), [&](int n) { return e.plan.node_rigid[at(n)] != 0; }))
-      continue;
+    if (set == e.model.node_sets.end() || std::none_of(set->nodes.begin(), set->nodes.end(), is_rigid)) continue;
     e.edits.remove(static_cast<int>(i));
     e.plan.changes.push_back(
         fmt::format("condition \"{}\" ({}): taken out, its nodes are rigid now", place.value("name"), type));
@@ -164,8 +163,7 @@ void edit_conditions(Editing& e) {
     if (place.name != "constraint" || place.value("type") != "symmetry plane") continue;
     const auto surface = std::find_if(e.model.surfaces.begin(), e.model.surfaces.end(),
                                       [&](const Surface& s) { return s.name == place.value("surface"); });
-    if (surface == e.model.surfaces.end() || !std::all_of(surface->nodes.begin(), surface->nodes.end(),
-                                                          [&](int n) { return e.plan.node_rigid[at(n)] != 0; }))
+    if (surface == e.model.surfaces.end() || !std::all_of(surface->nodes.begin(), surface->nodes.end(), is_rigid))
       continue;
     e.edits.remove(static_cast<int>(i));
     e.plan.changes.push_back(
@@ -231,9 +229,9 @@ std::string edit_solver(Editing& e, int solver) {
     if (child < 0) {
       e.edits.append_child(solver, {{0, line}});
     } else {
-      const std::string text(feb::trim(e.places.content(child)));
-      const auto now = feb::whole_double(text), wanted = feb::whole_double(p.value);
-      const bool as_good = feb::same_word(text, p.value) || (*p.number != '\0' && text == p.number) ||
+      const std::string text(febio::trim(e.places.content(child)));
+      const auto now = febio::whole_double(text), wanted = febio::whole_double(p.value);
+      const bool as_good = febio::same_word(text, p.value) || (*p.number != '\0' && text == p.number) ||
                            (now && wanted && p.largest && *now > 0 && *now <= *wanted) ||
                            (now && wanted && p.smallest && *now >= *wanted);
       if (as_good) continue;
@@ -252,7 +250,7 @@ std::string edit_solver(Editing& e, int solver) {
       e.edits.set_content(method, XmlLines{{0, "<max_ups>0</max_ups>"}});
     } else if (ups < 0) {
       e.edits.append_child(method, {{0, "<max_ups>0</max_ups>"}});
-    } else if (feb::trim(e.places.content(ups)) == "0") {
+    } else if (febio::trim(e.places.content(ups)) == "0") {
       return changed;
     } else {
       e.edits.set_content(ups, std::string("0"));

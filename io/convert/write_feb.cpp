@@ -9,8 +9,8 @@
 #include <numeric>
 #include <set>
 
-#include "io/feb/feb_xml.h"
 #include "io/febio/febio_rules.h"
+#include "io/febio/febio_text.h"
 #include "io/files/encoded_text.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
@@ -26,7 +26,7 @@ std::string leaf(const std::string& name, const std::string& value) {
 
 /// A rigid body where FEBio takes a number for an id and else a name.
 std::string body_reference(const Material& material) {
-  return feb::whole_int(material.name) ? std::to_string(material.id) : material.name;
+  return febio::whole_int(material.name) ? std::to_string(material.id) : material.name;
 }
 
 /// The thickness map of a surface in any of the converted contacts.
@@ -276,9 +276,7 @@ std::vector<NodeCondition> write_node_sets(Writer& w) {
     for (std::size_t i = 0; i < list_of.size(); ++i) {
       if (gone[i]) continue;
       std::vector<int>& nodes = list_of[i].nodes;
-      nodes.erase(std::remove_if(nodes.begin(), nodes.end(),
-                                 [&](int n) { return fastened.count(n) == 0 || w.plan.node_rigid[at(n)]; }),
-                  nodes.end());
+      std::erase_if(nodes, [&](int n) { return fastened.count(n) == 0 || w.plan.node_rigid[at(n)]; });
       if (nodes.empty()) {
         drop(w, fmt::format("{} \"{}\"", what, list_of[i].name));
         continue;

@@ -94,37 +94,35 @@ bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea
   if (side < 0) return false;
   DeaLayer& layer = dea.layers[side];
   const std::string what = tag.substr(tag.find('_') + 1);
+  if (!one_of(what, {"E", "nu", "thickness"})) return false;
   const std::string type = attribute(element, "type");
   const auto need = [&](bool good, double value, const char* needed) {
     if (!good) fail(reading, element, fmt::format("{} = {:g}, need {}", tag, value, needed));
     return value;
   };
-  if (what == "E" || what == "nu" || what == "thickness") {
-    const std::string text(trim(text_of(element)));
-    const febio::ThicknessText thickness =
-        what == "thickness" ? febio::thickness_text(type, text) : febio::ThicknessText::Number;
-    if (thickness == febio::ThicknessText::Nothing) return true;
-    if (thickness == febio::ThicknessText::Map) {
-      reading.map_uses.push_back(
-          {static_cast<int>(reading.model.contacts.size()), side, text, origin_of(reading, element)});
-      return true;
-    }
-    if ((!type.empty() && type != "const") || read_lc(reading, element) != 0) {
-      fail(reading, element,
-           fmt::format("{} is given as type {} or follows a load controller, expected a number{}", tag, quote(type),
-                       what == "thickness" ? " or type \"map\"" : ""));
-    }
-    const double value = read_double(reading, element);
-    // FEBio writes out parameters at their defaults: E = 0 and thickness = -1 say nothing
-    if (what == "E" && value != 0)
-      layer.E = need(value > 0, value, "E > 0");
-    else if (what == "nu")
-      layer.nu = need(value > -1 && value < 0.5, value, "-1 < nu < 0.5");
-    else if (what == "thickness" && value != -1)
-      layer.thickness = need(value >= 0, value, "thickness >= 0");
+  const std::string text(trim(text_of(element)));
+  const febio::ThicknessText thickness =
+      what == "thickness" ? febio::thickness_text(type, text) : febio::ThicknessText::Number;
+  if (thickness == febio::ThicknessText::Nothing) return true;
+  if (thickness == febio::ThicknessText::Map) {
+    reading.map_uses.push_back(
+        {static_cast<int>(reading.model.contacts.size()), side, text, origin_of(reading, element)});
     return true;
   }
-  return false;
+  if ((!type.empty() && type != "const") || read_lc(reading, element) != 0) {
+    fail(reading, element,
+         fmt::format("{} is given as type {} or follows a load controller, expected a number{}", tag, quote(type),
+                     what == "thickness" ? " or type \"map\"" : ""));
+  }
+  const double value = read_double(reading, element);
+  // FEBio writes out parameters at their defaults: E = 0 and thickness = -1 say nothing
+  if (what == "E" && value != 0)
+    layer.E = need(value > 0, value, "E > 0");
+  else if (what == "nu")
+    layer.nu = need(value > -1 && value < 0.5, value, "-1 < nu < 0.5");
+  else if (what == "thickness" && value != -1)
+    layer.thickness = need(value >= 0, value, "thickness >= 0");
+  return true;
 }
 
 /// A contact of type dea: the spring bed, stated in the model.
@@ -165,7 +163,7 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
 
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary) {
   for (const int index : {primary, secondary}) {
-    const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
+    const Surface& surface = reading.model.surfaces[at(index)];
     if (surface.size() == 0) {
       fail(reading, element,
            fmt::format("contact {} uses surface {}, which has no facets: define it again, or take the contact out",

@@ -199,7 +199,7 @@ void assign_material(Reading& reading, const XMLElement& element, int domain, co
          fmt::format("<{}> with mat = {}, expected the {} of a material{}", element.Name(), quote(mat),
                      by_id ? "name or id" : "name", those_there(mat, reading.material_index)));
   }
-  reading.model.domains[static_cast<std::size_t>(domain)].material = material;
+  reading.model.domains[at(domain)].material = material;
 }
 
 }  // namespace
@@ -217,7 +217,7 @@ void append_element(const Reading& reading, const XMLElement& element, const std
     if (node < 0) break;
     domain.nodes.push_back(node);
   }
-  if (domain.nodes.size() != before + static_cast<std::size_t>(count) || !trim(rest).empty()) {
+  if (domain.nodes.size() != before + at(count) || !trim(rest).empty()) {
     domain.nodes.resize(before);
     append_nodes(reading, element, count, fmt::format("{} element {}", type, id), domain.nodes);
   }
@@ -304,7 +304,7 @@ void read_node_set(Reading& reading, const XMLElement& section) {
   const auto [place, is_new] = reading.node_set_index.try_emplace(set.name, static_cast<int>(sets.size()));
   if (is_new) {
     sets.push_back(std::move(set));
-  } else if (sets[static_cast<std::size_t>(place->second)].nodes != set.nodes) {
+  } else if (sets[at(place->second)].nodes != set.nodes) {
     reading.ambiguous_node_sets.insert(set.name);
   }
 }
@@ -356,17 +356,15 @@ void append_face(const Reading& reading, const XMLElement& element, int count, c
   if (!place)
     fail(reading, element,
          fmt::format("{} is on element {}, which does not exist: mend the number, or add the node", what, id));
-  const Domain& domain = reading.model.domains[static_cast<std::size_t>(place->domain)];
+  const Domain& domain = reading.model.domains[at(place->domain)];
   const auto& faces = element_faces(domain.shape);
-  if (face < 1 || face > static_cast<int>(faces.size()) ||
-      static_cast<int>(faces[static_cast<std::size_t>(face) - 1].size()) != count) {
+  if (face < 1 || face > static_cast<int>(faces.size()) || static_cast<int>(faces[at(face) - 1].size()) != count) {
     fail(reading, element,
          fmt::format("{}: element {} has no such face {}, expected 1 to {}", what, id, face, faces.size()));
   }
-  const std::size_t first =
-      static_cast<std::size_t>(place->index) * static_cast<std::size_t>(nodes_per_element(domain.shape));
-  for (const int local : faces[static_cast<std::size_t>(face) - 1]) {
-    nodes.push_back(domain.nodes[first + static_cast<std::size_t>(local)]);
+  const std::size_t first = at(place->index) * at(nodes_per_element(domain.shape));
+  for (const int local : faces[at(face) - 1]) {
+    nodes.push_back(domain.nodes[first + at(local)]);
   }
 }
 
@@ -375,10 +373,10 @@ void append_surface(Reading& reading, const XMLElement& element, Surface& surfac
   const std::string name = need_attribute(reading, element, "surface");
   const int other = need_entry(reading, element, fmt::format("surface {} names", quote(surface.name)), name,
                                "Surface above it", reading.surface_index);
-  const Surface& added = reading.model.surfaces[static_cast<std::size_t>(other)];
+  const Surface& added = reading.model.surfaces[at(other)];
   count_entries(reading, element, added.nodes.size());
   const int before = surface.begin.back();
-  for (int i = 0; i < added.size(); ++i) surface.begin.push_back(before + added.begin[static_cast<std::size_t>(i) + 1]);
+  for (int i = 0; i < added.size(); ++i) surface.begin.push_back(before + added.begin[at(i) + 1]);
   surface.nodes.insert(surface.nodes.end(), added.nodes.begin(), added.nodes.end());
 }
 
@@ -462,12 +460,12 @@ int part_list_surface(Reading& reading, const XMLElement& element, const std::st
   for (const bool counting : {true, false}) {
     for (const std::string& part : list->second) {
       for (const int index : reading.domain_index.find(part)->second) {
-        const Domain& domain = reading.model.domains[static_cast<std::size_t>(index)];
-        const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
+        const Domain& domain = reading.model.domains[at(index)];
+        const std::size_t count = at(nodes_per_element(domain.shape));
         for (std::size_t first = 0; first < domain.nodes.size(); first += count) {
           for (const std::vector<int>& face : element_faces(domain.shape)) {
             std::vector<int> nodes, key;
-            for (const int local : face) nodes.push_back(domain.nodes[first + static_cast<std::size_t>(local)]);
+            for (const int local : face) nodes.push_back(domain.nodes[first + at(local)]);
             key.assign(nodes.begin(), nodes.begin() + facet_corners(static_cast<int>(nodes.size())));
             std::sort(key.begin(), key.end());
             key.erase(std::unique(key.begin(), key.end()), key.end());
@@ -524,7 +522,7 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
   const JointModel& model = reading.model;
   const int set = find_name(reading.element_set_index, name);
   if (set >= 0) {
-    for (const int id : model.element_sets[static_cast<std::size_t>(set)].element_ids) {
+    for (const int id : model.element_sets[at(set)].element_ids) {
       places.push_back(*find_element(reading, id));
     }
     return places;
@@ -538,7 +536,7 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
                      those_there(name, there)));
   }
   for (const int domain : domains->second) {
-    const std::size_t count = model.domains[static_cast<std::size_t>(domain)].element_ids.size();
+    const std::size_t count = model.domains[at(domain)].element_ids.size();
     for (std::size_t i = 0; i < count; ++i) places.push_back({domain, static_cast<int>(i)});
   }
   return places;
@@ -546,8 +544,8 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
 
 /// Thickness at each node of a shell.
 void set_thickness(Reading& reading, const XMLElement& element, const ElementPlace& place) {
-  Domain& domain = reading.model.domains[static_cast<std::size_t>(place.domain)];
-  const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
+  Domain& domain = reading.model.domains[at(place.domain)];
+  const std::size_t count = at(nodes_per_element(domain.shape));
   domain.shell_thickness.resize(domain.nodes.size(), 0.0);
   std::string store;
   std::string_view rest = text_of(element, store);
@@ -558,7 +556,7 @@ void set_thickness(Reading& reading, const XMLElement& element, const ElementPla
            fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))),
                        count));
     }
-    domain.shell_thickness[static_cast<std::size_t>(place.index) * count + i] = value;
+    domain.shell_thickness[at(place.index) * count + i] = value;
   }
 }
 
@@ -574,7 +572,7 @@ void read_thickness(Reading& reading, const XMLElement& section) {
       fail(reading, child,
            fmt::format("lid = {}, but the element set has {} elements: mend the number", lid, places.size()));
     }
-    set_thickness(reading, child, places[static_cast<std::size_t>(lid) - 1]);
+    set_thickness(reading, child, places[at(lid) - 1]);
   }
 }
 
@@ -583,7 +581,7 @@ void read_data(Reading& reading, const XMLElement& element, const std::vector<El
   for (const XMLElement& child : children(element)) {
     if (std::strcmp(child.Name(), "thickness") != 0) continue;
     for (const ElementPlace& place : places) {
-      if (is_shell(reading.model.domains[static_cast<std::size_t>(place.domain)].shape)) {
+      if (is_shell(reading.model.domains[at(place.domain)].shape)) {
         set_thickness(reading, child, place);
       } else {
         ignore(reading, child, "thickness of an element that is no shell");
@@ -603,7 +601,7 @@ std::string read_face(const XMLElement& element, const Surface& surface, int lar
     return fmt::format("<{}> with lid = {}, expected the number of one of the {} facets of surface {}", element.Name(),
                        quote(attribute(element, "lid")), surface.size(), quote(surface.name));
   }
-  const std::size_t facet = static_cast<std::size_t>(*lid) - 1;
+  const std::size_t facet = at(*lid) - 1;
   if (seen[facet]) return fmt::format("facet {} is given twice", *lid);
   seen[facet] = 1;
   const std::string text = text_of(element);
@@ -625,9 +623,35 @@ std::string read_face(const XMLElement& element, const Surface& surface, int lar
   }
   const int first = surface.begin[facet], nodes = surface.begin[facet + 1] - first;
   for (int k = 0; k < nodes; ++k) {
-    values[static_cast<std::size_t>(first + k)] = numbers[count == 1 ? 0 : static_cast<std::size_t>(k)];
+    values[at(first + k)] = numbers[count == 1 ? 0 : at(k)];
   }
   return "";
+}
+
+/// Fills the values of a map whose surface is known or -1. Why it cannot be used, "" if it can.
+std::string read_map_values(const Reading& reading, const XMLElement& section, SurfaceMap& map) {
+  const std::string data_type = attribute(section, section.Attribute("datatype") != nullptr ? "datatype" : "data_type");
+  if (map.surface < 0)
+    return fmt::format("surface = {}, expected the name of a Surface", quote(attribute(section, "surface")));
+  if (section.Attribute("type") != nullptr || section.Attribute("generator") != nullptr)
+    return "its values are made by a generator, expected <face lid=\"1\"> with numbers for every facet";
+  if (!data_type.empty() && data_type != "scalar")
+    return fmt::format("data_type = {}, expected scalar", quote(data_type));
+  const Surface& surface = reading.model.surfaces[at(map.surface)];
+  int largest = 0;
+  for (int f = 0; f < surface.size(); ++f) largest = std::max(largest, surface.begin[at(f + 1)] - surface.begin[at(f)]);
+  map.values.assign(surface.nodes.size(), 0.0);
+  std::vector<char> seen(at(surface.size()), 0);
+  for (const XMLElement& child : children(section)) {
+    map.fault_origin = origin_of(reading, child);
+    const std::string fault = read_face(child, surface, largest, seen, map.values);
+    if (!fault.empty()) return fault;
+  }
+  map.fault_origin = map.origin;
+  const auto missing = std::find(seen.begin(), seen.end(), 0);
+  if (missing == seen.end()) return "";
+  return fmt::format("facet {} of surface {} has no value ({} such facets)", missing - seen.begin() + 1,
+                     quote(surface.name), std::count(seen.begin(), seen.end(), 0));
 }
 
 void read_surface_map(Reading& reading, const XMLElement& section, const std::string& what) {
@@ -636,35 +660,7 @@ void read_surface_map(Reading& reading, const XMLElement& section, const std::st
   map.what = what;
   map.origin = map.fault_origin = origin_of(reading, section);
   map.surface = find_name(reading.surface_index, attribute(section, "surface"));
-  const std::string data_type = attribute(section, section.Attribute("datatype") != nullptr ? "datatype" : "data_type");
-  if (map.surface < 0) {
-    map.fault = fmt::format("surface = {}, expected the name of a Surface", quote(attribute(section, "surface")));
-  } else if (section.Attribute("type") != nullptr || section.Attribute("generator") != nullptr) {
-    map.fault = "its values are made by a generator, expected <face lid=\"1\"> with numbers for every facet";
-  } else if (!data_type.empty() && data_type != "scalar") {
-    map.fault = fmt::format("data_type = {}, expected scalar", quote(data_type));
-  }
-  if (map.fault.empty()) {
-    const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(map.surface)];
-    int largest = 0;
-    for (int f = 0; f < surface.size(); ++f) {
-      const std::size_t i = static_cast<std::size_t>(f);
-      largest = std::max(largest, surface.begin[i + 1] - surface.begin[i]);
-    }
-    map.values.assign(surface.nodes.size(), 0.0);
-    std::vector<char> seen(static_cast<std::size_t>(surface.size()), 0);
-    for (const XMLElement& child : children(section)) {
-      map.fault = read_face(child, surface, largest, seen, map.values);
-      if (map.fault.empty()) continue;
-      map.fault_origin = origin_of(reading, child);
-      break;
-    }
-    const auto missing = std::find(seen.begin(), seen.end(), 0);
-    if (map.fault.empty() && missing != seen.end()) {
-      map.fault = fmt::format("facet {} of surface {} has no value ({} such facets)", missing - seen.begin() + 1,
-                              quote(surface.name), std::count(seen.begin(), seen.end(), 0));
-    }
-  }
+  map.fault = read_map_values(reading, section, map);
   reading.surface_maps.push_back(std::move(map));
 }
 
@@ -687,9 +683,9 @@ void read_element_data(Reading& reading, const XMLElement& element) {
 void resolve_surface_maps(Reading& reading) {
   JointModel& model = reading.model;
   for (const MapUse& use : reading.map_uses) {
-    Contact& contact = model.contacts[static_cast<std::size_t>(use.contact)];
+    Contact& contact = model.contacts[at(use.contact)];
     const int index = use.side == 0 ? contact.primary : contact.secondary;
-    const Surface& surface = model.surfaces[static_cast<std::size_t>(index)];
+    const Surface& surface = model.surfaces[at(index)];
     const auto map = std::find_if(reading.surface_maps.begin(), reading.surface_maps.end(),
                                   [&](const SurfaceMap& candidate) { return candidate.name == use.name; });
     if (map == reading.surface_maps.end()) {
@@ -701,10 +697,9 @@ void resolve_surface_maps(Reading& reading) {
       throw fault_at(model, map->fault_origin, fmt::format("SurfaceData {}: {}", quote(map->name), map->fault));
     }
     if (map->surface != index) {
-      throw fault_at(
-          model, use.origin,
-          fmt::format("map {} is of surface {}, expected one of surface {}", quote(use.name),
-                      quote(model.surfaces[static_cast<std::size_t>(map->surface)].name), quote(surface.name)));
+      throw fault_at(model, use.origin,
+                     fmt::format("map {} is of surface {}, expected one of surface {}", quote(use.name),
+                                 quote(model.surfaces[at(map->surface)].name), quote(surface.name)));
     }
     for (const double value : map->values) {
       if (value < 0) {
@@ -735,10 +730,10 @@ int find_node(const Reading& reading, int id) {
 std::optional<ElementPlace> find_element(const Reading& reading, int id) {
   const int number = reading.elements.find(id);
   if (number < 0) return std::nullopt;
-  if (!reading.element_places.empty()) return reading.element_places[static_cast<std::size_t>(number)];
+  if (!reading.element_places.empty()) return reading.element_places[at(number)];
   const auto after = std::upper_bound(reading.first_element.begin(), reading.first_element.end(), number);
   const int domain = static_cast<int>(after - reading.first_element.begin()) - 1;
-  return ElementPlace{domain, number - reading.first_element[static_cast<std::size_t>(domain)]};
+  return ElementPlace{domain, number - reading.first_element[at(domain)]};
 }
 
 std::string full_name(const Reading& reading, const std::string& name) {
@@ -768,7 +763,7 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
     fail(reading, element, fmt::format("node set {} exists twice with different nodes: rename one", quote(name)));
   }
   if (set >= 0) {
-    const std::vector<int>& nodes = model.node_sets[static_cast<std::size_t>(set)].nodes;
+    const std::vector<int>& nodes = model.node_sets[at(set)].nodes;
     count_entries(reading, element, nodes.size());
     return nodes;
   }
@@ -788,12 +783,12 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
   const std::string rest = colon == name.npos ? "" : name.substr(colon + 1);
   const auto add_domains = [&](const std::string& domain_name) {
     for (const int domain : reading.domain_index.find(domain_name)->second) {
-      const std::vector<int>& more = model.domains[static_cast<std::size_t>(domain)].nodes;
+      const std::vector<int>& more = model.domains[at(domain)].nodes;
       nodes.insert(nodes.end(), more.begin(), more.end());
     }
   };
   if (kind == "@surface" && find_name(reading.surface_index, rest) >= 0) {
-    nodes = model.surfaces[static_cast<std::size_t>(find_name(reading.surface_index, rest))].nodes;
+    nodes = model.surfaces[at(find_name(reading.surface_index, rest))].nodes;
   } else if (kind == "@edge" && reading.edges.count(rest) > 0) {
     nodes = reading.edges.find(rest)->second;
   } else if (kind == "@part_list" && reading.part_lists.count(rest) > 0) {
@@ -801,7 +796,7 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
   } else if (kind == "@elem_set" &&
              (find_name(reading.element_set_index, rest) >= 0 || reading.domain_index.count(rest) > 0)) {
     for (const ElementPlace& place : places_of_set(reading, element, rest)) {
-      const Domain& domain = model.domains[static_cast<std::size_t>(place.domain)];
+      const Domain& domain = model.domains[at(place.domain)];
       const int count = nodes_per_element(domain.shape);
       const auto first = domain.nodes.begin() + static_cast<std::ptrdiff_t>(place.index) * count;
       nodes.insert(nodes.end(), first, first + count);
@@ -861,7 +856,7 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
     const XMLElement* thickness = child.FirstChildElement("shell_thickness");
     for (const int index : domains->second) {
       assign_material(reading, child, index, mat, false);
-      Domain& domain = reading.model.domains[static_cast<std::size_t>(index)];
+      Domain& domain = reading.model.domains[at(index)];
       if (thickness == nullptr || !is_shell(domain.shape)) continue;
       const double value = read_double(reading, *thickness);
       if (value > 0) domain.shell_thickness.assign(domain.nodes.size(), value);

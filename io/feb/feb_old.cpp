@@ -266,7 +266,7 @@ void read_mixed_elements(Reading& reading, const XMLElement& section) {
       model.domains.push_back(std::move(domain));
       reading.first_element.push_back(reading.elements.size());
     }
-    Domain& domain = model.domains[static_cast<std::size_t>(place->second)];
+    Domain& domain = model.domains[at(place->second)];
     const int number = reading.elements.size() + 1;
     reading.elements.add(number);
     reading.element_places.push_back({place->second, static_cast<int>(domain.element_ids.size())});

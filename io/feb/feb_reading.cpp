@@ -15,7 +15,7 @@ bool IdTable::add(int id) {
     return true;
   }
   if (index_.empty()) {  // the first id out of order: from now on by a hash table
-    for (int i = 0; i < size(); ++i) index_.emplace(ids_[static_cast<std::size_t>(i)], i);
+    for (int i = 0; i < size(); ++i) index_.emplace(ids_[at(i)], i);
   }
   if (!index_.emplace(id, size()).second) return false;
   ids_.push_back(id);

@@ -151,7 +151,7 @@ struct Reading : febio::Draft {
   Control top_control;            ///< of the model; the first step starts from it
   std::vector<Control> controls;  ///< one per step
   int step = -1;                  ///< the step a section belongs to
-  Control& control() { return step < 0 ? top_control : controls[static_cast<std::size_t>(step)]; }
+  Control& control() { return step < 0 ? top_control : controls[at(step)]; }
 };
 
 // -- places and faults -----------------------------------------------------------------------------

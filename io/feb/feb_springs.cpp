@@ -31,7 +31,7 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
                      reading.discrete_materials.size()));
   }
   const std::string type = attribute(element, "type");
-  const febio::DiscreteMaterial& material = reading.discrete_materials[static_cast<std::size_t>(*number) - 1];
+  const febio::DiscreteMaterial& material = reading.discrete_materials[at(*number) - 1];
   if (!type.empty() && type != "spring") {
     unsupported(reading, element, fmt::format("discrete elements of type {}", quote(type)),
                 "make it type spring, or take it out");
@@ -56,7 +56,7 @@ void add_springs(Reading& reading, const XMLElement& element, const febio::Discr
   springs.set = set;
   springs.step = reading.step;
   springs.name = attribute(element, "name");
-  if (springs.name.empty()) springs.name = reading.model.discrete_sets[static_cast<std::size_t>(set)].name;
+  if (springs.name.empty()) springs.name = reading.model.discrete_sets[at(set)].name;
   springs.origin = origin_of(reading, element);
   if (material.function > 0) {
     reading.function_uses.push_back(
@@ -68,9 +68,9 @@ void add_springs(Reading& reading, const XMLElement& element, const febio::Discr
 void resolve_functions(Reading& reading) {
   JointModel& model = reading.model;
   for (const FunctionUse& use : reading.function_uses) {
-    DiscreteSprings& springs = model.discrete_springs[static_cast<std::size_t>(use.springs)];
+    DiscreteSprings& springs = model.discrete_springs[at(use.springs)];
     const int index = febio::need_controller(model, use.id, springs.origin);
-    const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
+    const LoadController& curve = model.controllers[at(index)];
     if (!curve.unsupported.empty() || !curve.expression.empty()) {
       febio::unsupported(reading, springs.origin,
                          fmt::format("springs whose force is load controller {} with {}", curve.id,

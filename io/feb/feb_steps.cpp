@@ -21,7 +21,7 @@ void read_analysis(Reading& reading, const XMLElement& element) {
 std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
   const int index = febio::need_controller(model, control.dtmax_controller, control.dtmax_origin);
   if (index < 0) return {};
-  const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
+  const LoadController& curve = model.controllers[at(index)];
   if (curve.points.empty() && (!curve.unsupported.empty() || !curve.expression.empty())) {
     model.ignored.push_back({fmt::format("dtmax: load controller {} with {} gives no must points", curve.id,
                                          curve.unsupported.empty() ? "an expression" : curve.unsupported),

@@ -16,21 +16,10 @@ namespace dea::feb {
 using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 
-/// Loads and parses a file; throws InputError if it is no FEBio XML file. `path` is opened, `name` is
-/// how messages call it.
-std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string& name);
+/// Loads and parses a file; throws InputError if it is no FEBio XML file.
+std::unique_ptr<XMLDocument> load_xml(const std::string& path);
 
-using febio::Number;
-using febio::one_of;
-using febio::quote;
-using febio::same_word;
-using febio::split_words;
-using febio::take_comma;
-using febio::take_double;
-using febio::take_int;
-using febio::trim;
-using febio::whole_double;
-using febio::whole_int;
+using namespace febio;  // its words and numbers
 
 /// The child elements of an element in the order of the file, or those of one name:
 /// for (const XMLElement& child : children(element, "node")).

@@ -61,7 +61,7 @@ void read_other_file(Reading& reading, const XMLElement& place, const std::strin
   }
   if (++reading.files_read > kMostIncludes)
     fail(reading, place, fmt::format("more than {} includes: does a file include others without end?", kMostIncludes));
-  std::unique_ptr<XMLDocument> document = load_xml(path, path);
+  std::unique_ptr<XMLDocument> document = load_xml(path);
   const XMLElement& root = need_root(*document, path);
 
   const std::size_t parts = reading.parts.size();
@@ -80,7 +80,7 @@ void read_other_file(Reading& reading, const XMLElement& place, const std::strin
 }
 
 fs::path folder_of_current(const Reading& reading) {
-  return fs::path(reading.model.files[static_cast<std::size_t>(reading.file)]).parent_path();
+  return fs::path(reading.model.files[at(reading.file)]).parent_path();
 }
 
 /// <Include>: a bare name lies beside the model, a path is taken as written; then beside the including file.
@@ -91,7 +91,7 @@ void read_include(Reading& reading, const XMLElement& element) {
   const fs::path first = bare ? fs::path(reading.main_folder) / name : fs::path(name);
   read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}),
                   [&](const XMLElement& root) {
-                    reading.rules = need_rules(root, reading.model.files[static_cast<std::size_t>(reading.file)]);
+                    reading.rules = need_rules(root, reading.model.files[at(reading.file)]);
                     for (const XMLElement& section : children(root)) {
                       read_section(reading, section);
                     }
@@ -246,7 +246,7 @@ void read_section(Reading& reading, const XMLElement& section) {
 
 JointModel read_feb(const std::string& path) {
   using namespace feb;
-  const std::unique_ptr<XMLDocument> document = load_xml(path, path);
+  const std::unique_ptr<XMLDocument> document = load_xml(path);
   const XMLElement& root = need_root(*document, path);
   Reading reading;
   reading.rules = need_rules(root, path);

@@ -58,10 +58,6 @@ constexpr Words kWords[] = {
      "fix the nodes, or fasten them to a rigid body and move that (rigid_displacement, rigid_rotation)"},
 };
 
-bool holds(const std::vector<std::string>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 std::vector<std::string> read_words(const Words& words) {
   return split_words(fmt::format("{},{}", words.told, words.read));
 }
@@ -70,7 +66,7 @@ std::vector<std::string> read_words(const Words& words) {
 
 void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
                const Sentence& advice) {
-  const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
+  const auto [place, is_new] = index.try_emplace(what, remarks.size());
   if (is_new)
     remarks.push_back({what, 1, origin, advice});
   else
@@ -80,10 +76,10 @@ void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::stri
 std::vector<int> rigid_material_of_nodes(const JointModel& model) {
   std::vector<int> material(model.nodes.size(), -1);
   for (const RigidNodes& set : model.rigid_nodes)
-    for (const int node : set.nodes) material[static_cast<std::size_t>(node)] = set.material;
+    for (const int node : set.nodes) material[at(node)] = set.material;
   for (const Domain& domain : model.domains) {
-    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
-    for (const int node : domain.nodes) material[static_cast<std::size_t>(node)] = domain.material;
+    if (domain.material < 0 || !model.materials[at(domain.material)].rigid) continue;
+    for (const int node : domain.nodes) material[at(node)] = domain.material;
   }
   return material;
 }
@@ -93,7 +89,7 @@ void refuse_moved_rigid_nodes(JointModel& model, RemarkIndex& unsupported) {
   if (all.empty()) return;
   const std::vector<int> body = rigid_material_of_nodes(model);
   const auto rigid_node = [&](const PrescribedNodes& p) {
-    return std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
+    return std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[at(n)] >= 0; });
   };
   const std::string_view version = model.version;
   for (const PrescribedNodes& p : all) {
@@ -106,10 +102,10 @@ void refuse_moved_rigid_nodes(JointModel& model, RemarkIndex& unsupported) {
                                                              version == "2.5" ? "Boundary" : "Constraints")
         : version == "1.2" ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", dof)
                            : "rigid_bc of type rigid_displacement";
-    const Material& material = model.materials[static_cast<std::size_t>(body[static_cast<std::size_t>(*node)])];
+    const Material& material = model.materials[at(body[at(*node)])];
     list_once(model.unsupported, unsupported,
               fmt::format("prescribed displacement {} of node {} of rigid body {}", quote(p.name),
-                          model.node_ids[static_cast<std::size_t>(*node)], quote(material.name)),
+                          model.node_ids[at(*node)], quote(material.name)),
               p.origin, fmt::format("FEBio refuses it too: prescribe the motion of that body ({})", how));
   }
   all.erase(
@@ -130,7 +126,7 @@ std::string analysis_remark(const std::string& module, bool dynamic) {
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
   static const std::vector<std::string> known = read_words(kWords[static_cast<std::size_t>(WordOf::Contact)]);
-  if (!holds(known, type)) return std::nullopt;
+  if (!one_of(type, known)) return std::nullopt;
   return type == "sticky" || type.find("tied") != type.npos ? Contact::Kind::Tied : Contact::Kind::Sliding;
 }
 
@@ -138,12 +134,12 @@ std::string word_advice(WordOf place, const std::string& word) {
   const Words& words = kWords[static_cast<std::size_t>(place)];
   const std::vector<std::string> read = read_words(words);
   // A word of FEBio's own is no slip of the keyboard.
-  const bool febio = holds(split_words(words.febio), word);
-  if (!febio && holds(read, word))
+  const bool febio = one_of(word, split_words(words.febio));
+  if (!febio && one_of(word, read))
     return fmt::format("{} is a word of another version than the file says; {}", quote(word), words.otherwise);
   const std::string meant = febio ? "" : nearest_name(word, read);
   std::vector<std::string> listed = split_words(words.told);
-  if (!meant.empty() && !holds(listed, meant)) listed.push_back(meant);
+  if (!meant.empty() && !one_of(meant, listed)) listed.push_back(meant);
   return fmt::format("{}DEA reads {}; {}", meant.empty() ? "" : fmt::format("did you mean {}? ", quote(meant)),
                      name_list(listed, meant, 12), words.otherwise);
 }
@@ -271,7 +267,7 @@ std::vector<double> must_points(const LoadController& curve, double begin, doubl
 void refuse_unusable_controllers(JointModel& model) {
   for_each_controller(model, [&](int controller, Origin origin) {
     if (controller < 0) return;
-    const LoadController& curve = model.controllers[static_cast<std::size_t>(controller)];
+    const LoadController& curve = model.controllers[at(controller)];
     if (curve.unsupported.empty()) return;
     model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, origin,
                                  "give its points: type loadcurve, with times that go up"});

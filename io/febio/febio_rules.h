@@ -14,9 +14,7 @@
 namespace dea::febio {
 
 /// Remarks listed once each, with how often they occur.
-struct RemarkIndex {
-  std::unordered_map<std::string, std::size_t> places;
-};
+using RemarkIndex = std::unordered_map<std::string, std::size_t>;
 /// `advice`: what to do about it (Remark::advice). Its remark.
 void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
                const Sentence& advice = {});

@@ -39,6 +39,10 @@ bool one_of(std::string_view word, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
 }
 
+bool one_of(std::string_view word, const std::vector<std::string>& words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
 Number take_double(std::string_view& text, double& value) {
   skip_to_number(text);
   const char* end = text.data() + text.size();

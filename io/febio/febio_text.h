@@ -20,6 +20,7 @@ inline std::string quote(std::string_view text) { return in_quotes(text); }
 bool same_word(std::string_view a, std::string_view b);
 /// Is the word one of these, to the letter?
 bool one_of(std::string_view word, std::initializer_list<const char*> words);
+bool one_of(std::string_view word, const std::vector<std::string>& words);
 
 /// Outcome of looking for one number at the start of a text.
 enum class Number { Ok, None, NotFinite };

@@ -171,10 +171,6 @@ struct Known {
   std::vector<std::string> taken, repeated, others;
 };
 
-bool holds(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 std::vector<std::string> words_of(const char* list) {
   return *list == '\0' ? std::vector<std::string>() : split_words(list);
 }
@@ -182,7 +178,7 @@ std::vector<std::string> words_of(const char* list) {
 /// False: no such type is looked into.
 bool known_in(Place place, const std::string& type, Known& known) {
   for (const Row& row : kRows) {
-    if (row.place != place || !holds(words_of(row.types), type)) continue;
+    if (row.place != place || !one_of(type, words_of(row.types))) continue;
     known = {words_of(row.taken), {}, words_of(row.others)};
     for (std::string& word : known.taken)
       if (word[0] == '*') known.repeated.push_back(word.erase(0, 1));
@@ -239,15 +235,15 @@ void check_parts(Draft& draft, const Component& component, const Known& known, c
                  const std::string& kind) {
   std::vector<std::string> missing;  // what DEA takes and does not find
   for (const std::string& word : known.taken)
-    if (find(component, word) == nullptr || holds(known.repeated, word)) missing.push_back(word);
+    if (find(component, word) == nullptr || one_of(word, known.repeated)) missing.push_back(word);
   std::vector<std::string> all = known.taken;
   all.insert(all.end(), known.others.begin(), known.others.end());
   for (const Component& part : component.parts) {
-    if (holds(known.taken, part.tag) || (component.tag == "contact" && is_looked_at(component, part.tag))) {
+    if (one_of(part.tag, known.taken) || (component.tag == "contact" && is_looked_at(component, part.tag))) {
       const Component* first = find(component, part.tag);
-      if (first != &part && !holds(known.repeated, part.tag) && !same(*first, part))
+      if (first != &part && !one_of(part.tag, known.repeated) && !same(*first, part))
         fail_twice(draft, *first, part, in);
-    } else if (!holds(known.others, part.tag)) {
+    } else if (!one_of(part.tag, known.others)) {
       unknown_word(draft, part.origin, part.tag, in, kind, missing, all);
     }
   }
@@ -268,7 +264,7 @@ void check_material(Draft& draft, const Component& material, const std::string& 
   check_parts(draft, material, known, name_of(material) + outer, kind_of(material));
   const std::string within = outer.empty() ? " of " + name_of(material) : outer;
   for (const Component& part : material.parts)
-    if (holds({"solid", "elastic", "mat"}, part.tag)) check_material(draft, part, within);
+    if (one_of(part.tag, {"solid", "elastic", "mat"})) check_material(draft, part, within);
 }
 
 }  // namespace
@@ -286,7 +282,7 @@ void check_words(Draft& draft, Place place, const Component& component) {
 void check_control_word(Draft& draft, Origin origin, std::string_view word) {
   Known known;
   known_in(Place::Control, "Control", known);
-  if (!holds(known.others, std::string(word)))
+  if (!one_of(word, known.others))
     unknown_word(draft, origin, word, "Control", "Control", known.taken, known.others);
 }
 

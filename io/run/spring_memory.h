@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/run/recognise.h"
 
 namespace dea {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/stop.h"
 #include "src/study/case.h"
 #include "src/study/plan.h"

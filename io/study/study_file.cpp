@@ -11,7 +11,7 @@
 
 #include "io/files/encoded_text.h"
 #include "io/files/output.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"
 #include "src/base/names.h"

@@ -423,14 +423,14 @@ int column_called(const NumberTable& table, const char* name) {
 void read_node_thickness(const JointModel& model, const GivenTables& given, NodeThickness& thickness) {
   const NumberTable table = table_of(thickness.file, given);
   const int node_column = column_called(table, "node"), column = column_called(table, "thickness");
-  const std::string length = model_system(model).value_or(unit_names(kUnnamed)).length;
+  const std::optional<UnitNames> system = model_system(model);
+  const std::string length = system.value_or(unit_names(kUnnamed)).length;
   refuse_other_units(table, {column}, 0, length, length_words(), [&](const std::string&) {
-    return model_system(model) ? Sentence("convert the column and its name")
-                               : say("convert the column and its name, or name the model's units with {}",
-                                     NamedSetting{"units", "", "SYSTEM"});
+    return system ? Sentence("convert the column and its name")
+                  : say("convert the column and its name, or name the model's units with {}",
+                        NamedSetting{"units", "", "SYSTEM"});
   });
-  if (!model_system(model) && name_says_unit(table, {column}, 0, length_words()))
-    refuse_metres(model, table.path, "thickness-from");
+  if (!system && name_says_unit(table, {column}, 0, length_words())) refuse_metres(model, table.path, "thickness-from");
   std::map<int, int> line_of;  // by node
   thickness.at_node.clear();
   for (std::size_t r = 0; r < table.rows.size(); ++r) {

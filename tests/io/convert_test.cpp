@@ -11,7 +11,7 @@
 #include "io/convert/convert_feb.h"
 #include "io/convert/xml_places.h"
 #include "io/feb/read_feb.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/model/settings_table.h"
 #include "src/run/analysis.h"

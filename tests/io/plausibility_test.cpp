@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/feb/read_feb.h"
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/numbers.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"

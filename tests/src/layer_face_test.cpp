@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/joint/joint.h"

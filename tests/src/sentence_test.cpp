@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "plugin/febio_wording.h"
 #include "src/base/error.h"
 #include "src/base/say.h"

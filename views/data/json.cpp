@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/unit_names.h"
 #include "src/rules/rules.h"
 

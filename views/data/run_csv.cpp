@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/numbers.h"
 #include "src/results/contact_numbers.h"
 #include "src/rules/rules.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"

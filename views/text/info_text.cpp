@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "io/settings/setting_words.h"
+#include "io/settings/settings_xml.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
