@@ -51,7 +51,12 @@ std::optional<Fault> no_rigid_body(const JointModel& model, const Settings& sett
 
 std::vector<Fault> unsupported_faults(const JointModel& model) {
   std::vector<Fault> faults;
-  for (const Remark& r : model.unsupported) faults.push_back(unsupported_fault(model, r));
+  for (const Remark& r : model.unsupported)
+    faults.push_back(
+        make_fault(model, r.origin,
+                   say("{}{} is not supported and would change the result:", r.what,
+                       r.count > 1 ? fmt::format(" ({} times)", r.count) : ""),
+                   r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice));
   return faults;
 }
 
@@ -88,13 +93,6 @@ Findings frame_findings(const Settings& settings) {
 }
 
 }  // namespace
-
-Fault unsupported_fault(const JointModel& model, const Remark& r) {
-  return make_fault(model, r.origin,
-                    say("{}{} is not supported and would change the result:", r.what,
-                        r.count > 1 ? fmt::format(" ({} times)", r.count) : ""),
-                    r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice);
-}
 
 void refuse_unsupported(const JointModel& model) { throw_if_any(unsupported_faults(model)); }
 
