@@ -12,13 +12,8 @@
 
 namespace dea {
 
-namespace {
-
-constexpr double kMany = 1e6;  // springs or layer triangles
-
-}  // namespace
-
 std::string spring_cost_note(const Recognition& r, const Wording& wording) {
+  constexpr double kMany = 1e6;  // springs or layer triangles
   int refine = 1;
   for (const ContactPair& pair : r.joint.contacts) refine = std::max(refine, pair.refine);
   if (!r.recognised || refine == 1) return "";

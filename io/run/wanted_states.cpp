@@ -13,22 +13,15 @@
 
 namespace dea {
 
-namespace {
-
-StatesAsked asked_states(const std::string& states, const std::string& option) {
-  try {
-    return parse_states(states);
-  } catch (const BadValue& bad) {
-    throw UsageError(fmt::format("{}: {}", option, bad.what()));
-  }
-}
-
-}  // namespace
-
 States wanted_states(const JointModel& model, const Settings& settings, const OutputSettings& outputs,
                      const std::string& times_from) {
   const std::string &states = outputs.states, &option = outputs.states_given;
-  const StatesAsked asked = asked_states(states, option);
+  StatesAsked asked;
+  try {
+    asked = parse_states(states);
+  } catch (const BadValue& bad) {
+    throw UsageError(fmt::format("{}: {}", option, bad.what()));
+  }
   if (row_count(settings) > 0 || settings.skip_steps) {
     if (!times_from.empty())
       throw UsageError(Fault{.given = NamedSetting{"times-from", "", times_from},

@@ -187,6 +187,41 @@ StudyCase case_of_row(const Statement& row) {
   return c;
 }
 
+/// Places are numbered as they come up.
+using Places = std::map<std::tuple<int, std::string, std::string>, int>;
+
+void add_rows(const Database& d, const std::string& sql, Places& places, StudyRows& rows) {
+  for (Statement row(d, sql); row.step();) {
+    rows.case_id.push_back(row.integer(0));
+    rows.state.push_back(static_cast<int>(row.integer(1)));
+    const StudyPlace found{static_cast<int>(row.integer(2)), row.text(3), row.text(4)};
+    const auto [place, is_new] =
+        places.insert({{found.contact_id, found.contact, found.part}, static_cast<int>(rows.places.size())});
+    if (is_new) rows.places.push_back(found);
+    rows.place.push_back(place->second);
+    for (std::size_t i = 0; i < rows.numbers.size(); ++i)
+      rows.numbers[i].push_back(row.number(static_cast<int>(i) + 5));
+  }
+}
+
+/// Contacts by number and name, the whole before its compartments, which keep their order.
+void sort_places(StudyRows& rows) {
+  std::vector<int> order(rows.places.size()), place_of(rows.places.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](int i) {
+    const StudyPlace& p = rows.places[at(i)];
+    return std::make_tuple(p.contact_id, p.contact, !p.part.empty());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  std::vector<StudyPlace> sorted;
+  for (int i : order) {
+    place_of[at(i)] = static_cast<int>(sorted.size());
+    sorted.push_back(rows.places[at(i)]);
+  }
+  rows.places = std::move(sorted);
+  for (int& p : rows.place) p = place_of[at(p)];
+}
+
 }  // namespace
 
 bool is_database(const std::string& path) {
@@ -295,45 +330,6 @@ std::vector<StudySurface> read_surfaces(const std::string& path, int model) {
     return surfaces;
   });
 }
-
-namespace {
-
-/// Places are numbered as they come up.
-using Places = std::map<std::tuple<int, std::string, std::string>, int>;
-
-void add_rows(const Database& d, const std::string& sql, Places& places, StudyRows& rows) {
-  for (Statement row(d, sql); row.step();) {
-    rows.case_id.push_back(row.integer(0));
-    rows.state.push_back(static_cast<int>(row.integer(1)));
-    const StudyPlace found{static_cast<int>(row.integer(2)), row.text(3), row.text(4)};
-    const auto [place, is_new] =
-        places.insert({{found.contact_id, found.contact, found.part}, static_cast<int>(rows.places.size())});
-    if (is_new) rows.places.push_back(found);
-    rows.place.push_back(place->second);
-    for (std::size_t i = 0; i < rows.numbers.size(); ++i)
-      rows.numbers[i].push_back(row.number(static_cast<int>(i) + 5));
-  }
-}
-
-/// Contacts by number and name, the whole before its compartments, which keep their order.
-void sort_places(StudyRows& rows) {
-  std::vector<int> order(rows.places.size()), place_of(rows.places.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int i) {
-    const StudyPlace& p = rows.places[at(i)];
-    return std::make_tuple(p.contact_id, p.contact, !p.part.empty());
-  };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-  std::vector<StudyPlace> sorted;
-  for (int i : order) {
-    place_of[at(i)] = static_cast<int>(sorted.size());
-    sorted.push_back(rows.places[at(i)]);
-  }
-  rows.places = std::move(sorted);
-  for (int& p : rows.place) p = place_of[at(p)];
-}
-
-}  // namespace
 
 std::vector<StudyState> read_states(const std::string& path) {
   return rows_of(path, "SELECT case_id, state, time, outcome, message FROM states ORDER BY case_id, state",

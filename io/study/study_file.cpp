@@ -24,6 +24,23 @@ namespace dea {
 
 namespace fs = std::filesystem;
 
+/// All that is inserted, prepared once.
+struct StudyInserts {
+  Statement remove, one, warning, state, statistics, part, inside, inside_part, pose, surface, field;
+  explicit StudyInserts(const Database& d)
+      : remove(d, "DELETE FROM cases WHERE case_id = ?"),
+        one(d, insert_sql(d, "cases")),
+        warning(d, insert_sql(d, "warnings")),
+        state(d, insert_sql(d, "states")),
+        statistics(d, insert_sql(d, "statistics")),
+        part(d, insert_sql(d, "parts")),
+        inside(d, insert_sql(d, "inside")),
+        inside_part(d, insert_sql(d, "inside_parts")),
+        pose(d, insert_sql(d, "poses")),
+        surface(d, insert_sql(d, "surfaces", "OR IGNORE")),
+        field(d, insert_sql(d, "fields")) {}
+};
+
 namespace {
 
 constexpr double kLongestPause = 10.0;  ///< the same on slow disks [s]
@@ -74,27 +91,6 @@ void bind_finding(Statement& to, const Finding& finding) {
 
 void bind_vector(Statement& to, const Vector3d& v) { to.bind(v.x()).bind(v.y()).bind(v.z()); }
 
-}  // namespace
-
-/// All that is inserted, prepared once.
-struct StudyInserts {
-  Statement remove, one, warning, state, statistics, part, inside, inside_part, pose, surface, field;
-  explicit StudyInserts(const Database& d)
-      : remove(d, "DELETE FROM cases WHERE case_id = ?"),
-        one(d, insert_sql(d, "cases")),
-        warning(d, insert_sql(d, "warnings")),
-        state(d, insert_sql(d, "states")),
-        statistics(d, insert_sql(d, "statistics")),
-        part(d, insert_sql(d, "parts")),
-        inside(d, insert_sql(d, "inside")),
-        inside_part(d, insert_sql(d, "inside_parts")),
-        pose(d, insert_sql(d, "poses")),
-        surface(d, insert_sql(d, "surfaces", "OR IGNORE")),
-        field(d, insert_sql(d, "fields")) {}
-};
-
-namespace {
-
 void insert_contact(StudyInserts& in, std::int64_t number, std::int64_t s, std::int64_t id, const CaseContact& contact,
                     const ContactStatistics& statistics) {
   in.statistics.bind(number).bind(s).bind(id).bind(contact.name).bind(contact.source).bind(contact.target);
@@ -133,7 +129,7 @@ void insert_state(StudyInserts& in, std::int64_t number, std::int64_t s, const C
     in.pose.run();
   }
   for (std::size_t c = 0; c < state.fields.size(); ++c)
-    in.field.bind(number).bind(s).bind(whole(c + 1)).bind_bytes(packed(state.fields[c].pressure)).run();
+    in.field.bind(number).bind(s).bind(whole(c + 1)).bind_bytes(packed(state.fields[c])).run();
 }
 
 void insert_surfaces(StudyInserts& in, int model, const CaseResult& result) {
@@ -198,6 +194,8 @@ void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
   d.execute("COMMIT");
 }
 
+std::string digest_words(uLong sum, std::uint64_t size) { return fmt::format("crc32:{:08x}:{}", sum, size); }
+
 /// What a database has of the cases, into `there`; their indices.
 std::vector<std::size_t> note_cases(const Database& d, CasesThere& there) {
   std::vector<std::size_t> indices;
@@ -226,12 +224,6 @@ ShardCases shard_cases(std::size_t cases, int shard, int shards) {
   const auto start = [&](int i) { return cases * static_cast<std::size_t>(i) / static_cast<std::size_t>(shards); };
   return {start(shard - 1), start(shard)};
 }
-
-namespace {
-
-std::string digest_words(uLong sum, std::uint64_t size) { return fmt::format("crc32:{:08x}:{}", sum, size); }
-
-}  // namespace
 
 std::string bytes_digest(const std::string& bytes) {
   return digest_words(crc32_z(crc32(0L, Z_NULL, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()),

@@ -62,10 +62,8 @@ struct Line {
 
 void refuse_unknown(const CaseOption& option) {
   if (find_setting_option(option.name) != nullptr) return;
-  std::vector<std::string> names;
-  for (const SettingOption& o : setting_options()) names.emplace_back(o.name);
   throw UsageError(fmt::format("found \"{}\"{}, expected the name of an option of dea run", option.name,
-                               did_you_mean(option.name, names, setting_aliases())));
+                               did_you_mean(option.name, every_name(setting_options()), setting_aliases())));
 }
 
 Line line_of(const StudyRequest& r) {

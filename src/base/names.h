@@ -48,6 +48,14 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
 
+/// The names of bodies, surfaces and whatever else has one.
+template <class Things>
+std::vector<std::string> every_name(const Things& things) {
+  std::vector<std::string> names;
+  for (const auto& thing : things) names.emplace_back(thing.name);
+  return names;
+}
+
 /// "3, 7, ...": the first `most` of them.
 std::string number_list(const std::vector<int>& numbers, std::size_t most = 5);
 

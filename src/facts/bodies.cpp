@@ -140,11 +140,9 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
       rigid[i] = 1;
       found = true;
     }
-    if (!found) {
-      std::vector<std::string> names;
-      for (const Material& m : model.materials) names.push_back(m.name);
-      throw UsageError(Fault{.given = NamedSetting{"rigid", "", name}, .found = no_such_name("material", name, names)});
-    }
+    if (!found)
+      throw UsageError(Fault{.given = NamedSetting{"rigid", "", name},
+                             .found = no_such_name("material", name, every_name(model.materials))});
   }
   return rigid;
 }

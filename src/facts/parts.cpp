@@ -177,22 +177,10 @@ bool names_body(const JointModel& model, const std::vector<Body>& bodies, const 
   return !name.empty() && body_by_name(model, bodies, name) == body;
 }
 
-std::vector<std::string> body_names(const std::vector<Body>& bodies) {
-  std::vector<std::string> names;
-  for (const Body& b : bodies) names.push_back(b.name);
-  return names;
-}
-
 int surface_index(const JointModel& model, const std::string& name) {
   for (std::size_t i = 0; i < model.surfaces.size(); ++i)
     if (model.surfaces[i].name == name) return static_cast<int>(i);
   return -1;
-}
-
-std::vector<std::string> surface_names(const JointModel& model) {
-  std::vector<std::string> names;
-  for (const Surface& s : model.surfaces) names.push_back(s.name);
-  return names;
 }
 
 }  // namespace dea

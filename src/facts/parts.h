@@ -43,6 +43,11 @@ ModelParts find_parts(const JointModel& model, const Settings& settings);
 /// Cartilage: of a deformable material, or rigid with its bone under a contact that knows its modulus.
 bool deformable(const ModelParts& parts, const Domain& domain);
 
+/// A fault for each body that the user takes as rigid and that is several bones in the model: pieces without a common
+/// node, of which more than one has something to do with the rest (cartilage, a contact, a load, a spring, a hold), and
+/// are not all held or moved in every step by their nodes or by a rigid body of the model. FEBio moves each by itself.
+std::vector<Fault> separate_pieces(const ModelParts& parts);
+
 /// The element faces at these nodes; nullptr: none.
 const std::vector<ElementFace>* find_face(const ModelParts& parts, const int* nodes, int count);
 const std::vector<ElementFace>* find_face(const ModelParts& parts, const Surface& surface, int facet);
@@ -57,10 +62,8 @@ int body_of_material(const ModelParts& parts, int material);
 int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name);
 /// Is this the name of that body? An empty one is of none.
 bool names_body(const JointModel& model, const std::vector<Body>& bodies, const std::string& name, int body);
-std::vector<std::string> body_names(const std::vector<Body>& bodies);
 
 /// -1: none.
 int surface_index(const JointModel& model, const std::string& name);
-std::vector<std::string> surface_names(const JointModel& model);
 
 }  // namespace dea

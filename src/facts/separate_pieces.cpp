@@ -1,5 +1,4 @@
-#include "src/facts/separate_pieces.h"
-
+// Bones that a material taken as rigid would make one body of.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -9,6 +8,7 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/conditions.h"
+#include "src/facts/parts.h"
 
 namespace dea {
 

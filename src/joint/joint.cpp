@@ -13,7 +13,6 @@
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/parts.h"
-#include "src/facts/separate_pieces.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/joint/given_values.h"
 #include "src/model/sound_mesh.h"
@@ -24,12 +23,13 @@ namespace {
 
 void check_surface(const JointModel& model, NamedSetting given, const std::string& name) {
   if (name.empty() || surface_index(model, name) >= 0) return;
-  throw UsageError(Fault{.given = std::move(given), .found = no_such_name("surface", name, surface_names(model))});
+  throw UsageError(
+      Fault{.given = std::move(given), .found = no_such_name("surface", name, every_name(model.surfaces))});
 }
 
 void check_body(const JointModel& model, const std::vector<Body>& bodies, NamedSetting given, const std::string& name) {
   if (body_by_name(model, bodies, name) >= 0) return;
-  throw UsageError(Fault{.given = std::move(given), .found = no_such_name("rigid body", name, body_names(bodies))});
+  throw UsageError(Fault{.given = std::move(given), .found = no_such_name("rigid body", name, every_name(bodies))});
 }
 
 /// Settings name surfaces of the model.

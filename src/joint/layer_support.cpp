@@ -97,7 +97,7 @@ Attachment attached_by_user(const ContactSide& in, const std::string& name) {
   const int body = name == "ground" ? bodies.ground() : body_by_name(in.parts.model, bodies.bodies, name);
   if (body < 0)
     throw UsageError(Fault{.given = NamedSetting{"attach", in.surface.name, name},
-                           .found = no_such_name("rigid body", name, body_names(bodies.bodies))});
+                           .found = no_such_name("rigid body", name, every_name(bodies.bodies))});
   return {body, "attached by the user"};
 }
 

@@ -170,7 +170,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
   open_feather_facets(model, carried.facets, draft.boundary);
   if (!name.empty() && named < 0)
     throw UsageError(Fault{.given = NamedSetting{"bone", in.surface.name, name},
-                           .found = no_such_name("surface", name, surface_names(model))});
+                           .found = no_such_name("surface", name, every_name(model.surfaces))});
   if (named >= 0) {
     draft.layer.bone = named_bone(in, carry(parts, named).facets, carried, draft.boundary, draft.layer.articular);
   } else {

@@ -12,16 +12,6 @@ namespace dea {
 
 namespace {
 
-/// From corner to corner.
-std::vector<std::array<Vector3d, 2>> free_edges(const Layer& layer) {
-  std::vector<std::array<Vector3d, 2>> edges;
-  const SurfaceMesh& mesh = layer.face.mesh;
-  for (const LayerFace::Edge& e : layer.face.edges)
-    if (e.rim == Rim::Free)
-      edges.push_back({mesh.corner(e.triangle, e.edge), mesh.corner(e.triangle, (e.edge + 1) % 3)});
-  return edges;
-}
-
 /// The part of a surface's force that presses it within one mean thickness of a free edge of its layer.
 double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
   const SurfaceMesh& mesh = layer.articular;
@@ -37,10 +27,13 @@ double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
     all += pressed.back().second;
   }
   if (pressed.empty()) return 0.0;
-  std::vector<std::array<Vector3d, 2>> edges;  // those that contact may reach
-  for (const auto& edge : free_edges(layer)) {
-    const double half = 0.5 * (edge[1] - edge[0]).norm();
-    if (box.exteriorDistance(Vector3d(0.5 * (edge[0] + edge[1]))) <= half + near_by) edges.push_back(edge);
+  std::vector<std::array<Vector3d, 2>> edges;  // free ones that contact may reach, from corner to corner
+  const SurfaceMesh& face = layer.face.mesh;
+  for (const LayerFace::Edge& e : layer.face.edges) {
+    if (e.rim != Rim::Free) continue;
+    const Vector3d a = face.corner(e.triangle, e.edge), b = face.corner(e.triangle, (e.edge + 1) % 3);
+    const double half = 0.5 * (b - a).norm();
+    if (box.exteriorDistance(Vector3d(0.5 * (a + b))) <= half + near_by) edges.push_back({a, b});
   }
   for (const auto& [centroid, force] : pressed)
     for (const auto& edge : edges)

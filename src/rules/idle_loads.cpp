@@ -63,6 +63,33 @@ std::vector<LoadCase> ends_of_steps(const JointModel& model, const Joint& joint,
   return ends;
 }
 
+/// One of two opposite moments: a joint, or a user, puts one on each of two bodies.
+bool of_pair(const JointModel& model, const RigidLoad& load) {
+  return std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& other) {
+    return other.dof == load.dof && other.material != load.material && other.step == load.step &&
+           other.value.factor == -load.value.factor && other.value.controller == load.value.controller;
+  });
+}
+
+/// The settings load this body by a table.
+bool loads_by_table(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  return !settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == body;
+}
+
+/// The settings give a force on this body, or load it by a table.
+bool loads_by_settings(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  return std::any_of(settings.force.begin(), settings.force.end(),
+                     [&](const auto& given) { return joint.find_body(model, given.first) == body; }) ||
+         loads_by_table(model, joint, settings, body);
+}
+
+bool turns(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  const auto is_it = [&](const std::string& name) { return !name.empty() && joint.find_body(model, name) == body; };
+  return (settings.motion.turns && is_it(settings.motion.body)) ||
+         std::any_of(settings.placements.begin(), settings.placements.end(),
+                     [&](const Placement& p) { return p.kind == Placement::Kind::Rotate && is_it(p.body); });
+}
+
 }  // namespace
 
 std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
@@ -100,30 +127,6 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
   if (loses(idle)) found.push_back(std::move(idle));
   return found;
 }
-
-namespace {
-
-/// One of two opposite moments: a joint, or a user, puts one on each of two bodies.
-bool of_pair(const JointModel& model, const RigidLoad& load) {
-  return std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& other) {
-    return other.dof == load.dof && other.material != load.material && other.step == load.step &&
-           other.value.factor == -load.value.factor && other.value.controller == load.value.controller;
-  });
-}
-
-/// The settings load this body by a table.
-bool loads_by_table(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
-  return !settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == body;
-}
-
-/// The settings give a force on this body, or load it by a table.
-bool loads_by_settings(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
-  return std::any_of(settings.force.begin(), settings.force.end(),
-                     [&](const auto& given) { return joint.find_body(model, given.first) == body; }) ||
-         loads_by_table(model, joint, settings, body);
-}
-
-}  // namespace
 
 Findings idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
   Findings always, held;  // told always, told where nothing acts
@@ -216,17 +219,6 @@ Findings idle_findings(const std::vector<IdleLoad>& loads) {
   }
   return found;
 }
-
-namespace {
-
-bool turns(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
-  const auto is_it = [&](const std::string& name) { return !name.empty() && joint.find_body(model, name) == body; };
-  return (settings.motion.turns && is_it(settings.motion.body)) ||
-         std::any_of(settings.placements.begin(), settings.placements.end(),
-                     [&](const Placement& p) { return p.kind == Placement::Kind::Rotate && is_it(p.body); });
-}
-
-}  // namespace
 
 Findings idle_settings(const JointModel& model, const Joint& joint, const Settings& settings) {
   std::set<std::string> sliding;  // surfaces, also of contacts that the settings leave out

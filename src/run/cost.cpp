@@ -34,6 +34,7 @@ SpringCost spring_cost(const Joint& joint, int refine) {
     for (const Layer& layer : pair.layers) {
       const double triangles = layer.rigid ? 0.0 : parts * layer.face.mesh.size();
       cost.layer_triangles += triangles;
+      cost.layer_bytes += layer_bytes(triangles);
       cost.bytes += layer_bytes(triangles);
     }
   }
@@ -41,15 +42,9 @@ SpringCost spring_cost(const Joint& joint, int refine) {
 }
 
 double kept_bytes(const JointModel& model, const Joint& joint) {
-  double bytes = kKeptPerNode * static_cast<double>(model.nodes.size()) + kKeptPerSpring * spring_cost(joint).springs;
-  for (const ContactPair& pair : joint.contacts) {
-    if (pair.law != Law::Layer) continue;
-    for (const Layer& layer : pair.layers) {
-      const double triangles = layer.rigid ? 0.0 : pair.refine * pair.refine * layer.face.mesh.size();
-      bytes += kKeptShareOfLayer * layer_bytes(triangles);
-    }
-  }
-  return bytes;
+  const SpringCost cost = spring_cost(joint);
+  return kKeptPerNode * static_cast<double>(model.nodes.size()) + kKeptPerSpring * cost.springs +
+         kKeptShareOfLayer * cost.layer_bytes;
 }
 
 int largest_refine(const Joint& joint, double bytes) {

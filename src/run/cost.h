@@ -7,8 +7,9 @@ namespace dea {
 struct SpringCost {
   double springs = 0;          ///< of all contacts
   double layer_triangles = 0;  ///< law layer: of both layers' meshes; else 0
-  double bytes = 0;  ///< of memory, while a state is solved: an estimate, within a fifth for law linear and for
-                     ///< half a million layer triangles, coarser beyond
+  double bytes = 0;        ///< of memory, while a state is solved: an estimate, within a fifth for law linear and for
+                           ///< half a million layer triangles, coarser beyond
+  double layer_bytes = 0;  ///< law layer: of these, the layers' matrices
 };
 
 /// With every contact divided `refine` times; 0: each as it is (ContactPair::refine).

@@ -38,8 +38,7 @@ void try_to(std::vector<Fault>& faults, const Step& step) {
 std::optional<Fault> no_rigid_body(const JointModel& model, const Settings& settings) {
   const std::vector<char> rigid = rigid_materials(model, settings);
   if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end() || moves_nodes(model)) return std::nullopt;
-  std::vector<std::string> names;
-  for (const Material& m : model.materials) names.push_back(m.name);
+  const std::vector<std::string> names = every_name(model.materials);
   if (names.size() == 1)  // it is the cartilage's, or there is none
     return make_fault(model, {0, 0}, say("no rigid body in the model, whose only material is {};", name_list(names)),
                       "DEA presses cartilage between two bones, which are rigid bodies: add them to the model, each "
@@ -52,7 +51,12 @@ std::optional<Fault> no_rigid_body(const JointModel& model, const Settings& sett
 
 std::vector<Fault> unsupported_faults(const JointModel& model) {
   std::vector<Fault> faults;
-  for (const Remark& r : model.unsupported) faults.push_back(unsupported_fault(model, r));
+  for (const Remark& r : model.unsupported)
+    faults.push_back(
+        make_fault(model, r.origin,
+                   say("{}{} is not supported and would change the result:", r.what,
+                       r.count > 1 ? fmt::format(" ({} times)", r.count) : ""),
+                   r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice));
   return faults;
 }
 
@@ -89,13 +93,6 @@ Findings frame_findings(const Settings& settings) {
 }
 
 }  // namespace
-
-Fault unsupported_fault(const JointModel& model, const Remark& r) {
-  return make_fault(model, r.origin,
-                    say("{}{} is not supported and would change the result:", r.what,
-                        r.count > 1 ? fmt::format(" ({} times)", r.count) : ""),
-                    r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice);
-}
 
 void refuse_unsupported(const JointModel& model) { throw_if_any(unsupported_faults(model)); }
 

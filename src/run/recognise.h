@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/finding.h"
 #include "src/base/fault.h"
+#include "src/base/finding.h"
 #include "src/joint/joint.h"
 
 namespace dea {
@@ -42,8 +42,5 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
 
 /// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
 void refuse_unsupported(const JointModel& model);
-
-/// A remark of `JointModel::unsupported` as a fault.
-Fault unsupported_fault(const JointModel& model, const Remark& remark);
 
 }  // namespace dea

@@ -124,9 +124,8 @@ States row_states(const JointModel& model, const Settings& settings, const State
 }
 
 States all_states(std::vector<TimePoint> times) {
-  States states{std::move(times), {}};
-  states.wanted.assign(states.times.size(), 1);
-  return states;
+  const std::size_t count = times.size();
+  return {std::move(times), std::vector<char>(count, 1)};
 }
 
 ResultTimes times_of_result(const JointModel& model, const std::vector<double>& found, const std::string& path) {

@@ -25,7 +25,7 @@ CaseState case_state(const Joint& joint, StateResult&& state, bool keep_fields, 
   out.reactions = std::move(state.equilibrium.reaction);
   for (std::size_t c = 0; keep_fields && c < state.fields.size(); ++c) {
     const std::vector<double>& p = state.fields[c].sides[joint.contacts[c].source].vertex_pressure;
-    out.fields.push_back({std::vector<float>(p.begin(), p.end())});
+    out.fields.emplace_back(p.begin(), p.end());
   }
   return out;
 }

@@ -15,11 +15,6 @@ struct CaseContact {
   std::vector<std::string> parts;  ///< compartments; empty: the surface is in one piece
 };
 
-/// Nodal pressures of the surface with springs, for maps; in single precision, as plot files hold them.
-struct CaseField {
-  std::vector<float> pressure;  ///< per vertex of the case's surface of this contact
-};
-
 struct CaseState {
   double time = 0.0;
   Outcome outcome = Outcome::NotConverged;
@@ -29,7 +24,9 @@ struct CaseState {
   std::vector<ContactStatistics> statistics;           ///< one per contact
   std::vector<Pose> poses;                             ///< one per body
   std::vector<Vector6> reactions;                      ///< one per body (Equilibrium::reaction)
-  std::vector<CaseField> fields;                       ///< one per contact, where they are kept
+  /// Nodal pressures of the surface with springs, for maps: one list per contact, where they are kept. In single
+  /// precision, as plot files hold them.
+  std::vector<std::vector<float>> fields;
 };
 
 /// A surface that pressures stand on, in the reference configuration, the model's frame.

@@ -160,10 +160,8 @@ std::string factor_name(const std::string& text) {
 
 const SettingOption& factor_option(const std::string& name) {
   if (const SettingOption* option = find_setting_option(name)) return *option;
-  std::vector<std::string> names;
-  for (const SettingOption& option : setting_options()) names.emplace_back(option.name);
   throw BadValue(fmt::format("found no setting \"{}\"{}, expected one such as E, rotate, force or thickness-scale",
-                             name, did_you_mean(name, names, setting_aliases())));
+                             name, did_you_mean(name, every_name(setting_options()), setting_aliases())));
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST(RunStudy, FieldsAndTheirSurface) {
   const std::vector<CaseResult> results = solved(turned_sockets({"0"}, {"12"}), {0}, options);
   ASSERT_EQ(results[0].surfaces.size(), 1u);
   const CaseSurface& surface = results[0].surfaces[0];
-  const std::vector<float>& pressure = results[0].states[0].fields[0].pressure;
+  const std::vector<float>& pressure = results[0].states[0].fields[0];
   ASSERT_EQ(pressure.size(), surface.vertices.size());
   // the force that the field carries along the surface's normals, third of each triangle's area to a vertex
   double p_area = 0;

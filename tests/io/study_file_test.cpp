@@ -60,7 +60,7 @@ CaseResult result_of(std::size_t number, int states = 2) {
     turned.rotation = Eigen::AngleAxisd(0.5, Vector3d::UnitZ()).toRotationMatrix();
     state.poses = {Pose{}, turned};
     state.reactions = {Vector6::Zero(), Vector6::Constant(4)};
-    state.fields = {{{0.5f, 0.25f, 0.0f}}};
+    state.fields = {{0.5f, 0.25f, 0.0f}};
     r.states.push_back(state);
   }
   return r;

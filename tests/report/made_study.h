@@ -34,10 +34,10 @@ inline CaseSurface surface(int side = kSide, double radius = 35.0) {
 }
 
 /// A hill of height p about (x, y), 0 beyond 12 from it.
-inline CaseField hill(const CaseSurface& s, double p, double x, double y) {
-  CaseField f;
+inline std::vector<float> hill(const CaseSurface& s, double p, double x, double y) {
+  std::vector<float> f;
   for (const Vector3d& v : s.vertices)
-    f.pressure.push_back(static_cast<float>(std::max(0.0, p * (1 - std::hypot(v[0] - x, v[1] - y) / 12))));
+    f.push_back(static_cast<float>(std::max(0.0, p * (1 - std::hypot(v[0] - x, v[1] - y) / 12))));
   return f;
 }
 
@@ -159,9 +159,9 @@ inline void write_subjects(const std::string& path) {
     r.surfaces = {surface(kSide + k, radius)};
     for (int state_number = 1; state_number <= 2; ++state_number) {
       r.states.push_back(state(state_number - 1, p * state_number / 2));
-      CaseField field;
+      std::vector<float> field;
       for (const Vector3d& v : r.surfaces[0].vertices)
-        field.pressure.push_back(static_cast<float>(p * state_number / 2 * (1 + v[0] / radius)));
+        field.push_back(static_cast<float>(p * state_number / 2 * (1 + v[0] / radius)));
       r.states.back().fields = {field};
       InsideEnds inside;
       inside.bone.max_shear.p99 = 0.3 * p * state_number / 2;

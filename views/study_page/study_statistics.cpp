@@ -298,8 +298,7 @@ Json pair_json(const std::vector<double>& first, const std::vector<double>& seco
 int study_column(const StudyNumbers& n, const std::string& option, const std::string& name) {
   const int column = n.column(name);
   if (column >= 0) return column;
-  std::vector<std::string> names;
-  for (const StudyColumn& c : n.columns) names.push_back(c.name);
+  const std::vector<std::string> names = every_name(n.columns);
   throw UsageError(fmt::format("{} {}: found no column \"{}\" that differs from case to case{}; there {}", option, name,
                                name, did_you_mean(name, names),
                                names.empty() ? std::string("is none") : "are " + name_list(names, name)));

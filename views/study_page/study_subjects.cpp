@@ -21,8 +21,7 @@ bool same_word(const std::string& a, const std::string& b) { return lower_case(a
 
 /// Does a path end in this, a whole folder or name at its begin?
 bool ends_in(const std::string& path, const std::string& tail) {
-  if (tail.empty() || tail.size() > path.size() || path.compare(path.size() - tail.size(), tail.size(), tail) != 0)
-    return false;
+  if (tail.empty() || !path.ends_with(tail)) return false;
   return tail.size() == path.size() || path[path.size() - tail.size() - 1] == '/';
 }
 

@@ -42,6 +42,50 @@ bool same_geometry(const StudySurface& a, const StudySurface& b) {
          a.surface.triangles == b.surface.triangles;
 }
 
+/// A surface's regions, and what each vertex counts for.
+struct RegionPlaces {
+  Regions regions;
+  std::size_t first = 0;              ///< place of the first region
+  std::vector<Vector3d> vertex_area;  ///< per vertex: a third of the area vectors around it
+};
+
+std::vector<Vector3d> vertex_area_vectors(const ResultSurface& s) {
+  std::vector<Vector3d> sum(s.mesh.vertices.size(), Vector3d::Zero());
+  for (int t = 0; t < s.mesh.size(); ++t)
+    for (int v : s.mesh.triangles[at(t)]) sum[at(v)] += s.mesh.areas[at(t)] / 3.0 * s.mesh.normals[at(t)];
+  return sum;
+}
+
+/// In the order of headline_statistics.
+std::array<double, 5> numbers_in(const StudySurfaceMesh& s, const RegionPlaces& r, int region,
+                                 const std::vector<double>& pressure, double above) {
+  std::vector<double> values, areas;
+  Vector3d force = Vector3d::Zero();
+  for (std::size_t v = 0; v < pressure.size(); ++v) {
+    if (r.regions.index[v] != region) continue;
+    values.push_back(pressure[v]);
+    areas.push_back(s.areas[v]);
+    force += pressure[v] * r.vertex_area[v];
+  }
+  const Distribution d = distribution(values, areas, above);
+  return {d.p99, d.mean, d.area, d.peak, force.norm()};
+}
+
+std::vector<RegionPlaces> make_places(const StudyFields& fields, const StudyRegionOptions& options, StudyNumbers& n) {
+  std::vector<RegionPlaces> places;
+  for (const StudySurfaceMesh& s : fields.surfaces) {
+    RegionPlaces r{regions_of(s, options), 0, vertex_area_vectors(s.geometry)};
+    r.first = n.places.size();
+    for (std::size_t i = 0; i < places.size(); ++i)  // models with other meshes share places of one contact
+      if (fields.surfaces[i].contact == s.contact && fields.surfaces[i].contact_id == s.contact_id)
+        r.first = places[i].first;
+    if (r.first == n.places.size())
+      for (const std::string& name : r.regions.names) n.places.push_back({s.contact_id, s.contact, name});
+    places.push_back(std::move(r));
+  }
+  return places;
+}
+
 }  // namespace
 
 StudyFields study_fields(const std::string& path, const StudyNumbers& n) {
@@ -93,54 +137,6 @@ void each_pressure(const std::string& path, const StudyNumbers& n, const StudyFi
     each(*of_keys[i], std::move(values));
   });
 }
-
-namespace {
-
-/// A surface's regions, and what each vertex counts for.
-struct RegionPlaces {
-  Regions regions;
-  std::size_t first = 0;              ///< place of the first region
-  std::vector<Vector3d> vertex_area;  ///< per vertex: a third of the area vectors around it
-};
-
-std::vector<Vector3d> vertex_area_vectors(const ResultSurface& s) {
-  std::vector<Vector3d> sum(s.mesh.vertices.size(), Vector3d::Zero());
-  for (int t = 0; t < s.mesh.size(); ++t)
-    for (int v : s.mesh.triangles[at(t)]) sum[at(v)] += s.mesh.areas[at(t)] / 3.0 * s.mesh.normals[at(t)];
-  return sum;
-}
-
-/// In the order of headline_statistics.
-std::array<double, 5> numbers_in(const StudySurfaceMesh& s, const RegionPlaces& r, int region,
-                                 const std::vector<double>& pressure, double above) {
-  std::vector<double> values, areas;
-  Vector3d force = Vector3d::Zero();
-  for (std::size_t v = 0; v < pressure.size(); ++v) {
-    if (r.regions.index[v] != region) continue;
-    values.push_back(pressure[v]);
-    areas.push_back(s.areas[v]);
-    force += pressure[v] * r.vertex_area[v];
-  }
-  const Distribution d = distribution(values, areas, above);
-  return {d.p99, d.mean, d.area, d.peak, force.norm()};
-}
-
-std::vector<RegionPlaces> make_places(const StudyFields& fields, const StudyRegionOptions& options, StudyNumbers& n) {
-  std::vector<RegionPlaces> places;
-  for (const StudySurfaceMesh& s : fields.surfaces) {
-    RegionPlaces r{regions_of(s, options), 0, vertex_area_vectors(s.geometry)};
-    r.first = n.places.size();
-    for (std::size_t i = 0; i < places.size(); ++i)  // models with other meshes share places of one contact
-      if (fields.surfaces[i].contact == s.contact && fields.surfaces[i].contact_id == s.contact_id)
-        r.first = places[i].first;
-    if (r.first == n.places.size())
-      for (const std::string& name : r.regions.names) n.places.push_back({s.contact_id, s.contact, name});
-    places.push_back(std::move(r));
-  }
-  return places;
-}
-
-}  // namespace
 
 Regions regions_of(const StudySurfaceMesh& s, const StudyRegionOptions& o) {
   SurfaceFrame frame = surface_frame(s.geometry);
