@@ -172,8 +172,8 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
   for (std::size_t i = 0; i < both.size(); ++i) {
     const FacetShape shape = shape_of(model, facets[i]);
     if (!(shape.area > 0)) continue;
-    const LineHit hit = caster.nearest_facing(shape.center, -shape.normal, 0.0, 1e-9 * std::sqrt(shape.area),
-                                              std::numeric_limits<double>::infinity());
+    const LineHit hit =
+        caster.nearest_facing(shape.center, -shape.normal, 0.0, 1e-9 * std::sqrt(shape.area), kInfinity);
     const bool held =
         hit.point.triangle >= 0 && boundary.kinds[at(mesh.facet[at(hit.point.triangle)])] == FaceKind::Bonded;
     sees_open[at(patches.root(static_cast<int>(i)))] += held ? -shape.area : shape.area;

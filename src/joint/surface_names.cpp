@@ -22,15 +22,6 @@ struct Underneath {
   std::set<std::string> materials, element_sets, bodies;
 };
 
-std::vector<int> articular_surfaces(const JointModel& model) {
-  std::set<int> surfaces;
-  for (const Contact& c : model.contacts)
-    if (c.kind == Contact::Kind::Sliding)
-      for (const int s : {c.primary, c.secondary})
-        if (s >= 0) surfaces.insert(s);
-  return {surfaces.begin(), surfaces.end()};
-}
-
 Underneath what_is_under(const ModelParts& parts, int surface) {
   const JointModel& model = parts.model;
   Underneath under{surface, {}, {}, {}};
@@ -89,8 +80,12 @@ struct SurfaceNaming {
     if (name.empty() || surface_index(model, name) >= 0) return "";
     if (!under) {
       const ModelParts parts = find_parts(model, given);
+      std::set<int> articular;
+      for (const Contact& c : model.contacts)
+        if (c.kind == Contact::Kind::Sliding) articular.insert({c.primary, c.secondary});
+      articular.erase(-1);
       under.emplace();
-      for (const int s : articular_surfaces(model)) under->push_back(what_is_under(parts, s));
+      for (const int s : articular) under->push_back(what_is_under(parts, s));
     }
     const Meant meant = meant_by(name, *under);
     if (meant.surfaces.empty()) return "";

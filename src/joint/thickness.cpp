@@ -1,7 +1,6 @@
 #include "src/joint/thickness.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -56,7 +55,7 @@ MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& 
     // point, for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a
     // feather edge) has thickness 0 by its closest point.
     const auto cast_from = [&](const Vector3d& origin) {
-      return caster.nearest_facing(origin, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
+      return caster.nearest_facing(origin, direction, 0.0, 0.0, kInfinity, kCos60);
     };
     LineHit hit = cast_from(x);
     if (hit.point.triangle < 0 && !inside.empty() && from.planes[v] != 0) hit = cast_from(x + inside[v]);

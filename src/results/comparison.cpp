@@ -142,12 +142,8 @@ Distribution distribution(const std::vector<double>& values, const std::vector<d
     d.peak = d.p99 = d.mean = d.p5 = d.p25 = d.median = d.p75 = d.p95 = d.p99_unweighted = kNaN;
     return d;
   }
-  double sum = 0.0;
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    d.area += w[i];
-    sum += w[i] * v[i];
-  }
-  d.mean = sum / d.area;
+  d.area = std::accumulate(w.begin(), w.end(), 0.0);
+  d.mean = std::inner_product(w.begin(), w.end(), v.begin(), 0.0) / d.area;
   d.peak = *std::max_element(v.begin(), v.end());
   const WeightedValues sorted = in_rising_order(v, w);
   set_percentiles(d, sorted);

@@ -22,16 +22,11 @@ double mean_pressure_of_load(const std::vector<double>& pressure, const std::vec
 }  // namespace
 
 Headline headline(const ResultSurface& surface, const std::vector<double>& pressure, const FacetMask& mask) {
-  Headline h;
   const std::vector<double> nodal = nodal_average(surface, pressure);
-  h.above = kHeadlineShare * mean_pressure_of_load(nodal, nodal_areas(surface));
-  if (std::isnan(h.above)) return h;
-  const Distribution d = distribution(nodal, nodal_areas(surface, mask), h.above);
-  h.p99 = d.p99;
-  h.mean = d.mean;
-  h.area = d.area;
-  h.peak = d.peak;
-  return h;
+  const double above = kHeadlineShare * mean_pressure_of_load(nodal, nodal_areas(surface));
+  if (std::isnan(above)) return {};
+  const Distribution d = distribution(nodal, nodal_areas(surface, mask), above);
+  return {above, d.p99, d.mean, d.area, d.peak};
 }
 
 ResultSurface plotted_surface(const JointModel& model, const Surface& surface) {

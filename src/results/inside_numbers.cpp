@@ -1,6 +1,7 @@
 #include "src/results/inside_numbers.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "src/results/percentile.h"
 
@@ -12,12 +13,8 @@ InsideDistribution inside_distribution(const std::vector<double>& values, const 
   InsideDistribution d;
   d.peak = least ? *std::min_element(values.begin(), values.end()) : *std::max_element(values.begin(), values.end());
   d.p99 = weighted_percentile(values, weights, least ? 0.01 : 0.99);
-  double sum = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += weights[i] * values[i];
-    whole += weights[i];
-  }
-  d.mean = sum / whole;
+  d.mean = std::inner_product(weights.begin(), weights.end(), values.begin(), 0.0) /
+           std::accumulate(weights.begin(), weights.end(), 0.0);
   return d;
 }
 
