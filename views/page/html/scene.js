@@ -232,7 +232,7 @@ class Maps {
   // Colours of one panel. `what`: { mesh, facets (per facet) or vertices (per vertex), may be NaN; shown(x, i): of facets,
   // and of vertices without `over`: whether it has the scale's colour, else that of "none"; over: lists per vertex, where
   // one of them is 0 or more, interpolated, the scale's colours are shown; lines: with facets, values per vertex whose
-  // lines are drawn, none below `from` }, scale: { map, least, most, level, none }.
+  // lines are drawn, none below `from` }, scale: { map, least, most, level }.
   paint(panel, what) {
     panel.what = what;
     if (this.fault) return;
@@ -330,7 +330,7 @@ class Maps {
     u.zero.value = scale.zero ? 1 : 0;
     u.from.value = panel.what.from ?? -1e30;
     u.within.value = panel.what.facets ? 0 : 1;
-    u.none.value.set(...rgb(ink[scale.none]));
+    u.none.value.set(...rgb(ink.none));
     u.gone.value.set(...rgb(ink.gone));
     const line = rgb(ink.rim);
     this.lineMaterial.uniforms.colour.value.set(...line.map((c) => 0.28 * c), 0.28);
@@ -586,6 +586,17 @@ class Maps {
   }
 }
 
+// A scale: its ends, from line to line, least and largest value; null: there are none.
+function scaleOfNumbers(numbers) {
+  const [least, most, level, lowest, highest] = numbers || [0, 1, 0.2, 0, 0];
+  return { map: "sequential", least, most, level, lowest, highest, noneText: "" };
+}
+// The same with whether values go on beyond its ends.
+function withEnds(scale) {
+  const margin = 1e-6 * (scale.most - scale.least);
+  return { ...scale, beyondMost: scale.highest > scale.most + margin, beyondLeast: scale.lowest < scale.least - margin };
+}
+
 // A colour bar on a 2-D context, `width` x 76 CSS pixels at scale k.
 // `contours`: whether the maps have lines of equal value.
 function drawBar(c, x, y, width, k, scale, ink, contours) {
@@ -603,7 +614,7 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
   c.fillText(scale.title, from, 15, width - from);
   if (swatch) {
-    c.fillStyle = ink[scale.none];
+    c.fillStyle = ink.none;
     c.fillRect(left, top, swatch, height);
     c.fillStyle = ink.soft;
     c.fillText(scale.noneText, left, top + height + 19);

@@ -78,16 +78,15 @@ const StudyMaps = (() => {
   }
   function scaleOf(shown) {
     const kind = { state: "pressure", largest: "pressure" }[view.show] || view.show;
-    let [least, most, level] = about.scales[kind] || [0, 1, 0.2], map = "sequential";
-    if (isMean() || view.range === "map") {
-      let high = 0;
-      for (const x of shown.values) if (Math.abs(x) > high) high = Math.abs(x);
-      most = high || 1;
-      least = view.show.startsWith("difference") ? -most : 0;
-      level = scaleStep(least, most);
-      map = view.show.startsWith("difference") ? "diverging" : "sequential";
-    }
-    return { map, least, most, level, none: "none", noneText: map === "diverging" ? "" : "none", title: quantityTitle() };
+    const scale = { ...scaleOfNumbers(about.scales[kind]), noneText: "none", title: quantityTitle() };
+    if (!isMean() && view.range !== "map") return scale;
+    const difference = view.show.startsWith("difference");
+    let high = 0;
+    for (const x of shown.values) if (Math.abs(x) > high) high = Math.abs(x);
+    scale.most = high || 1;
+    scale.least = difference ? -scale.most : 0;
+    scale.level = scaleStep(scale.least, scale.most);
+    return difference ? { ...scale, map: "diverging", noneText: "" } : scale;
   }
   // The grid of several meshes that a surface's means are on.
   const commonOf = (surface) => Report.means.common.find((c) => c.surfaces.includes(surface));
