@@ -21,7 +21,7 @@ const Data = (() => {
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
-  // views/page/pack.h: byte planes, perhaps differences.
+  // views/page/page_parts.h: byte planes, perhaps differences.
   async function unpack(a) {
     const planes = await inflated(a.id), n = a.count, out = new (a.bytes === 2 ? Uint16Array : Int32Array)(n);
     for (let i = 0, before = 0; i < n; ++i) {
