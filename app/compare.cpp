@@ -210,7 +210,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
-  if (!a.report.empty()) write_page(a.report, compare_page(files, options, comparison, a.words));
+  if (!a.report.empty()) write_text(a.report, page_html(compare_page(files, options, comparison, a.words)));
   progress.clear();
   const bool all_solved =
       std::all_of(comparison.solved.begin(), comparison.solved.end(), [](char solved) { return solved != 0; });

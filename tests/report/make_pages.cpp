@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
       what != "awkward" ? dea::test::large_results(224, 50, what == "hard") : dea::test::awkward_results();
   const auto start = std::chrono::steady_clock::now();
   const dea::CompareOptions options;
-  dea::write_page(argv[2], dea::compare_page(files, options, dea::compare_files(files, options), {"dea", "compare"}));
+  const dea::Comparison comparison = dea::compare_files(files, options);
+  dea::write_text(argv[2], dea::page_html(dea::compare_page(files, options, comparison, {"dea", "compare"})));
   fmt::print("{:.2f} s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

@@ -17,7 +17,7 @@
 #include "views/map/map_figure.h"
 #include "views/map/map_geometry.h"
 #include "views/map/map_scale.h"
-#include "views/page/pack.h"
+#include "views/page/page_parts.h"
 #include "views/page/write_page.h"
 
 namespace dea::report_test {
@@ -67,7 +67,7 @@ std::size_t times_in(const std::string& text, const std::string& what) {
 
 // ---- packing ----
 
-/// As page/data.js reads a code (pack.h).
+/// As page/data.js reads a code (views/page/page_parts.h).
 double restore(const Codes& c, std::size_t i) {
   if (c.codes[i] == 65535) return std::numeric_limits<double>::quiet_NaN();
   const double fraction = c.codes[i] / 65534.0;

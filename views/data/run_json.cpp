@@ -219,7 +219,7 @@ Json connector_json(const Joint& joint, const Connector& c) {
   j["type"] = c.type;
   j["body_a"] = joint.bodies[at(c.body_a)].name;
   j["body_b"] = joint.bodies[at(c.body_b)].name;
-  j["point"] = json_vector(c.point);
+  j["point"] = json_vector(c.joint_origin);
   for (int k = 0; k < 3; ++k) j["axes"].push_back(json_vector(c.axes.col(k)));
   for (int k = 0; k < kDofs; ++k) j["motion"].push_back(word(c.motion[at(k)]));
   j["step"] = step_number(c.step);

@@ -31,11 +31,9 @@ void add_face(Faces& faces, Face face) {
   std::vector<int> key(face.nodes.begin(), face.nodes.begin() + facet_corners(static_cast<int>(face.nodes.size())));
   std::sort(key.begin(), key.end());
   Face& known = faces[key];
-  face.times = known.times + (face.shell ? 0 : 1);
-  if (known.nodes.empty() || (face.shell && !known.shell))
-    known = std::move(face);
-  else
-    known.times = face.times;
+  const int times = known.times + (face.shell ? 0 : 1);
+  if (known.nodes.empty() || (face.shell && !known.shell)) known = std::move(face);
+  known.times = times;
 }
 
 Faces faces_of(const XpltMesh& mesh) {

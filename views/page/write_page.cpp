@@ -8,7 +8,6 @@
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
 #include "views/data/json.h"
-#include "views/page/pack.h"
 #include "views/page/page.h"
 #include "views/page/page_parts.h"
 #include "views/text/info_text.h"
@@ -163,8 +162,6 @@ std::string page_html(const PageData& data) {
   return page_text(data.title, json, arrays, "", page::main());
 }
 
-void write_page(const std::string& path, const PageData& data) { write_text(path, page_html(data)); }
-
 void write_run_page(const std::string& path, const Recognition& recognition, const Analysis& analysis, XpltFile&& xplt,
                     const std::string& model_path, const std::string& output, const std::vector<std::string>& words,
                     const std::vector<NamedPath>& files) {
@@ -176,7 +173,7 @@ void write_run_page(const std::string& path, const Recognition& recognition, con
                            info_text(recognition.model, recognition.settings, check), words, paths);
   const std::string& loads = recognition.settings.loads.file;
   page.time_name = time_name(loads.empty() ? recognition.settings.motion.file : loads);
-  write_page(path, page);
+  write_text(path, page_html(page));
 }
 
 void require_page_name(const std::string& option, const std::string& path) {

@@ -11,9 +11,6 @@ namespace dea {
 /// become U+FFFD. The same data give the same bytes.
 std::string page_html(const PageData& data);
 
-/// By way of a temporary file. Throws WriteError.
-void write_page(const std::string& path, const PageData& data);
-
 /// The page of a run whose plot file `output` has been written. `model_path`: gives it its title. `words`: the command;
 /// `files`: those in it, of which only the names are shown. Throws InputError, WriteError.
 void write_run_page(const std::string& path, const Recognition& recognition, const Analysis& analysis, XpltFile&& xplt,

@@ -17,9 +17,8 @@ const Page = (() => {
   const select = (id, label, options, value, change) => makeSelect(id, label, options, value, (v) => change(Number(v)));
   const csvButton = (t, id) => make("button", { text: "CSV", title: "Save the numbers", "data-save": "csv", onclick: () => saveCsv(t(), id) });
   function scaleOf(quantity) {
-    const q = quantities[quantity], [least, most, level, lowest, highest] = Report.scales[quantity] || [0, 1, 0.2, 0, 0], margin = 1e-6 * (most - least);
-    return { map: "sequential", least, most, level, none: "none", noneText: "", zero: least < 0, title: Format.axis(q.title, q.dimension) + (quantity === "gap" && lowest < 0 ? ", below 0: overlap" : ""),
-      beyondMost: highest > most + margin, beyondLeast: lowest < least - margin };
+    const q = quantities[quantity], scale = withEnds(scaleOfNumbers(Report.scales[quantity]));
+    return { ...scale, zero: scale.least < 0, title: Format.axis(q.title, q.dimension) + (quantity === "gap" && scale.lowest < 0 ? ", below 0: overlap" : "") };
   }
   const bar = (canvas, scale, contours) => paintBar(canvas, scale, state.theme, contours);
   const keys = "Drag turns, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets.";

@@ -21,7 +21,7 @@ const Data = (() => {
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
-  // views/page/pack.h: byte planes, perhaps differences.
+  // views/page/page_parts.h: byte planes, perhaps differences.
   async function unpack(a) {
     const planes = await inflated(a.id), n = a.count, out = new (a.bytes === 2 ? Uint16Array : Int32Array)(n);
     for (let i = 0, before = 0; i < n; ++i) {
@@ -202,15 +202,10 @@ const Format = {
     const unit = Format.unit(dimension), name = quantity.charAt(0).toUpperCase() + quantity.slice(1);
     return unit ? `${name} [${unit}]` : name;
   },
-  with(x, dimension, digits) {
-    const unit = Format.unit(dimension);
-    return Format.number(x, digits) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
-  },
+  beside(text, x, unit) { return text + (unit && x !== null && !Number.isNaN(x) ? " " + unit : ""); },
+  with(x, dimension, digits) { return Format.beside(Format.number(x, digits), x, Format.unit(dimension)); },
   // Four digits without zeros at the end, as in the program's tables.
-  printed(x, dimension) {
-    const unit = Report.units[dimension];
-    return Format.short(x) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
-  },
+  printed(x, dimension) { return Format.beside(Format.short(x), x, Report.units[dimension]); },
   time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 9); },
   // "time 2", "cycle 40 %": what a table of loads or motion calls its rows' times.
   at(time) {
@@ -236,8 +231,8 @@ function makeSelect(id, label, options, value, change) {
   for (const [v, t] of options) s.append(make("option", { value: String(v), text: t, selected: v === value }));
   return make("label", { id: id + "-label" }, label, s);
 }
-function makeToggle(id, text, on, change) {
-  return make("button", { id, text, "aria-pressed": String(on), onclick: (e) => {
+function makeToggle(id, text, on, change, title = null) {
+  return make("button", { id, text, title, "aria-pressed": String(on), onclick: (e) => {
     const now = e.target.getAttribute("aria-pressed") !== "true";
     e.target.setAttribute("aria-pressed", String(now));
     change(now);

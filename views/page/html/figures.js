@@ -84,13 +84,13 @@ const Figures = (() => {
   const axisAt = (margin) => ({ ...axisY, labelOffset: margin - 10 });
   const known = (x) => x !== null && x !== undefined && !Number.isNaN(x);
   const tick = (x) => Format.short(x, 6);
-  // A chart between two axes. `across`, `up`: what they have beside the usual (null: none across); `plot`: scales and marks.
+  // A chart between two axes. `across`, `up`: what they have beside the usual, or across a function that makes the axis; `plot`: scales and marks.
   function framed(width, height, ink, across, up, { marks, ...plot }) {
     return fitted((margin) => {
       const upwards = { ...axisAt(margin), tickFormat: tick, ...up };
       return Plot.plot({
         ...base(width, height, ink), marginLeft: margin, ...plot,
-        marks: [Plot.gridY({ ...grid(ink), ticks: upwards.ticks }), across && Plot.axisX({ ...axis, tickFormat: tick, ...across }), Plot.axisY(upwards), ...marks]
+        marks: [Plot.gridY({ ...grid(ink), ticks: upwards.ticks }), typeof across === "function" ? across() : Plot.axisX({ ...axis, tickFormat: tick, ...across }), Plot.axisY(upwards), ...marks]
       });
     });
   }
@@ -244,12 +244,12 @@ const Figures = (() => {
         rows.push({ fx: String(r), x: String(i), i, y: known(value) ? value : NaN });
       }));
       const band = (width - 76) / names.length;
-      const chart = framed(width, 260, ink, null, { label: Format.axis(quantity, dimension) }, {
+      const regions = () => Plot.axisFx({ anchor: "bottom", tickSize: 0, label: null, tickFormat: (r) => cut(names[Number(r)], 13, band) });
+      const chart = framed(width, 260, ink, regions, { label: Format.axis(quantity, dimension) }, {
         fx: { domain: names.map((n, r) => String(r)), padding: 0.2, label: null, axis: null },
         x: { axis: null, domain: Report.results.map((r, i) => String(i)), padding: 0.08 },
         y: { zero: true, nice: true },
         marks: [
-          Plot.axisFx({ anchor: "bottom", tickSize: 0, label: null, tickFormat: (r) => cut(names[Number(r)], 13, band) }),
           Plot.barY(rows, { fx: "fx", x: "x", y: "y", fill: (d) => resultStyle(d.i, ink).colour, title: (d) => Format.with(d.y, dimension) }),
           Plot.ruleY([0], { stroke: ink.soft })
         ]

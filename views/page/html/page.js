@@ -6,12 +6,11 @@ const Page = (() => {
   const state = { surface: null, beside: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, poses: true, theme: "light" };
   const maps = new Maps();
   const quantities = {
-    pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
-    space: { title: "joint space", dimension: "length", none: "none", noneText: "", shown: () => true },
-    thickness: { title: "cartilage thickness", dimension: "length", none: "none", noneText: "", shown: () => true },
-    gap: { title: "penetration (contact gap)", dimension: "length", none: "none", noneText: "none", shown: (x) => x > 0 }
+    pressure: { head: "Pressure", title: "contact pressure", dimension: "pressure", noneText: "no contact", shown: (x) => x > 0 },
+    space: { head: "Joint space", title: "joint space", dimension: "length", noneText: "", shown: () => true },
+    thickness: { head: "Cartilage thickness", title: "cartilage thickness", dimension: "length", noneText: "", shown: () => true },
+    gap: { head: "Penetration", title: "penetration (contact gap)", dimension: "length", noneText: "none", shown: (x) => x > 0 }
   };
-  const heads = { pressure: "Pressure", space: "Joint space", thickness: "Cartilage thickness", gap: "Penetration" };
   let panels = [], figures = Figures.list(), busy = 0;
 
   // ---- frame of the page ----
@@ -59,7 +58,7 @@ const Page = (() => {
     controls.append(makeSelect("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v), state.beside ? state.beside.index : -1)));
     if (Report.surfaces.length === 1) controls.lastChild.querySelector("select").disabled = true;
     else if (!compared) controls.append(makeSelect("beside", "beside it", [["-1", "none"], ...Report.surfaces.map((s, i) => [String(i), s.title])], "-1", (v) => setSurface(state.surface.index, Number(v))));
-    if (compared) controls.append(makeSelect("quantity", "Show", available().map((q) => [q, heads[q].toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
+    if (compared) controls.append(makeSelect("quantity", "Show", available().map((q) => [q, quantities[q].head.toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
     controls.append(make("span", { class: "group", role: "group" },
       make("button", { id: "smooth", text: "smooth", title: "Area-weighted averages at the nodes", "aria-pressed": "true", onclick: () => setSmooth(true) }),
       make("button", { id: "facets", text: "facets", title: "The facets' own values", "aria-pressed": "false", onclick: () => setSmooth(false) })));
@@ -115,7 +114,7 @@ const Page = (() => {
         name.push(chooser);
         p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
       } else {
-        const title = compared ? results[w.result].label : heads[w.quantity] + (state.beside ? `, ${w.surface.about.title}` : "");
+        const title = compared ? results[w.result].label : quantities[w.quantity].head + (state.beside ? `, ${w.surface.about.title}` : "");
         name.push(make("h3", { text: title }));
         if (compared && w.result === last) name.push(make("span", { class: "role", text: "reference" }));
         p.title = () => title;
@@ -155,17 +154,9 @@ const Page = (() => {
   // to" says is worked out here. `of`: the surface's scales or differences.
   function scaleFrom(of, about) {
     const scales = of && of[state.smooth ? "nodes" : "facets"];
-    const [least, most, level, lowest, highest] = (scales && (state.range === "all" ? scales.all : scales.frames[state.frame])) || [0, 1, 0.2, 0, 0];
-    return { map: "sequential", least, most, level, lowest, highest, none: about.none, noneText: about.noneText };
+    return { ...scaleOfNumbers(scales && (state.range === "all" ? scales.all : scales.frames[state.frame])), noneText: about.noneText };
   }
   const said = (q) => (state.most !== null && q === (compared ? state.quantity : "pressure") ? state.most : null);
-  function beyond(scale) {
-    const margin = 1e-6 * (scale.most - scale.least);
-    scale.beyondMost = scale.highest > scale.most + margin;
-    scale.beyondLeast = scale.lowest < scale.least - margin;
-    return scale;
-  }
-
   // One scale per quantity, for all its panels: of two surfaces it covers both.
   function scaleOf(q) {
     const about = quantities[q], all = shown().map((s) => s.about.scales.find((x) => x.field === q)).filter(Boolean);
@@ -181,7 +172,7 @@ const Page = (() => {
     const most = said(q);
     if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
     scale.zero = scale.least < 0;  // a line at 0
-    return beyond(scale);
+    return withEnds(scale);
   }
 
   function differenceOf(q) {
@@ -210,7 +201,7 @@ const Page = (() => {
     const [i, j] = state.pair, about = quantities[q];
     const scale = scaleFrom(state.surface.about.differences.find((x) => x.field === q && x.pair[0] === i && x.pair[1] === j), about);
     if (scale.least >= 0) scale.least = -scale.most;
-    return beyond({ ...scale, map: "diverging", none: "none", noneText: q === "pressure" ? "no contact" : "", title: Format.axis(`difference of ${about.title}`, about.dimension) });
+    return withEnds({ ...scale, map: "diverging", noneText: q === "pressure" ? "no contact" : "", title: Format.axis(`difference of ${about.title}`, about.dimension) });
   }
 
   // What the panels show at this state.

@@ -184,27 +184,24 @@ class Maps {
       for (const v of [a, b, c]) { around[v] += nx; around[v + 1] += ny; around[v + 2] += nz; }
     }
     // corners of the map's triangles; the middles of quads have the mean of their corners' normals
-    const spread = (points, triangles) => {
-      const n = triangles.length, normals = new Float64Array(points.length), c = m.map.middles;
-      normals.set(around);
-      for (let i = 0; i < c.length; ++i)
-        for (let k = 0; k < 3; ++k) normals[x.length + 3 * (i >> 2) + k] += around[3 * c[i] + k];
-      const at = new Float32Array(3 * n), across = new Float32Array(3 * n);
-      for (let k = 0; k < n; ++k) {
-        const v = 3 * triangles[k], size = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
-        for (let i = 0; i < 3; ++i) { at[3 * k + i] = points[v + i]; across[3 * k + i] = normals[v + i] / size; }
-      }
-      return { positions: new THREE.BufferAttribute(at, 3), normals: new THREE.BufferAttribute(across, 3) };
-    };
+    const { points, triangles, middles } = m.map, normals = new Float64Array(points.length);
+    normals.set(around);
+    for (let i = 0; i < middles.length; ++i)
+      for (let k = 0; k < 3; ++k) normals[x.length + 3 * (i >> 2) + k] += around[3 * middles[i] + k];
+    const at = new Float32Array(3 * triangles.length), across = new Float32Array(at.length);
+    for (let k = 0; k < triangles.length; ++k) {
+      const v = 3 * triangles[k], size = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
+      for (let i = 0; i < 3; ++i) { at[3 * k + i] = points[v + i]; across[3 * k + i] = normals[v + i] / size; }
+    }
     // outlines of facets, and edges that only one facet has
     const edges = new Map(), lines = [], rim = [];
     for (let f = 0; f < m.facetCount; ++f) {
       const begin = m.begin[f], count = m.begin[f + 1] - begin;
-      const corners = [3, 6, 7, 10].includes(count) ? 3 : 4, middles = count >= corners * 2 && count !== 10;
+      const corners = [3, 6, 7, 10].includes(count) ? 3 : 4, curved = count >= corners * 2 && count !== 10;
       for (let k = 0; k < corners; ++k) {
         const a = m.corner[begin + k], b = m.corner[begin + (k + 1) % corners];
         if (a < 0 || b < 0 || a === b) continue;
-        const mid = middles ? m.corner[begin + corners + k] : -1;
+        const mid = curved ? m.corner[begin + corners + k] : -1;
         const key = a < b ? a * m.vertexCount + b : b * m.vertexCount + a;
         const path = mid >= 0 ? [a, mid, mid, b] : [a, b];
         if (!edges.has(key)) edges.set(key, [0, path]);
@@ -222,9 +219,8 @@ class Maps {
       object.frustumCulled = false;
       return object;
     };
-    let made = null;
-    const corners = () => made || (made = spread(m.map.points, m.map.triangles));
-    const out = { corners, lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
+    const attribute = (list) => new THREE.BufferAttribute(list, 3);
+    const out = { positions: attribute(at), normals: attribute(across), lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
     this.geometries.set(m, out);
     return out;
   }
@@ -232,13 +228,13 @@ class Maps {
   // Colours of one panel. `what`: { mesh, facets (per facet) or vertices (per vertex), may be NaN; shown(x, i): of facets,
   // and of vertices without `over`: whether it has the scale's colour, else that of "none"; over: lists per vertex, where
   // one of them is 0 or more, interpolated, the scale's colours are shown; lines: with facets, values per vertex whose
-  // lines are drawn, none below `from` }, scale: { map, least, most, level, none }.
+  // lines are drawn, none below `from` }, scale: { map, least, most, level }.
   paint(panel, what) {
     panel.what = what;
     if (this.fault) return;
     const m = what.mesh, smooth = !!what.vertices, triangles = m.map.triangles, n = triangles.length;
     if (!panel.object || panel.mesh !== m) {
-      const geometry = new THREE.BufferGeometry(), g = this.geometry(m).corners();
+      const geometry = new THREE.BufferGeometry(), g = this.geometry(m);
       geometry.setAttribute("position", g.positions);
       geometry.setAttribute("normal", g.normals);
       for (const [name, size] of [["over", 2], ["value", 1], ["shown", 1], ["line", 1]]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(size * n), size));
@@ -330,7 +326,7 @@ class Maps {
     u.zero.value = scale.zero ? 1 : 0;
     u.from.value = panel.what.from ?? -1e30;
     u.within.value = panel.what.facets ? 0 : 1;
-    u.none.value.set(...rgb(ink[scale.none]));
+    u.none.value.set(...rgb(ink.none));
     u.gone.value.set(...rgb(ink.gone));
     const line = rgb(ink.rim);
     this.lineMaterial.uniforms.colour.value.set(...line.map((c) => 0.28 * c), 0.28);
@@ -586,6 +582,17 @@ class Maps {
   }
 }
 
+// A scale: its ends, from line to line, least and largest value; null: there are none.
+function scaleOfNumbers(numbers) {
+  const [least, most, level, lowest, highest] = numbers || [0, 1, 0.2, 0, 0];
+  return { map: "sequential", least, most, level, lowest, highest, noneText: "" };
+}
+// The same with whether values go on beyond its ends.
+function withEnds(scale) {
+  const margin = 1e-6 * (scale.most - scale.least);
+  return { ...scale, beyondMost: scale.highest > scale.most + margin, beyondLeast: scale.lowest < scale.least - margin };
+}
+
 // A colour bar on a 2-D context, `width` x 76 CSS pixels at scale k.
 // `contours`: whether the maps have lines of equal value.
 function drawBar(c, x, y, width, k, scale, ink, contours) {
@@ -603,7 +610,7 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
   c.fillText(scale.title, from, 15, width - from);
   if (swatch) {
-    c.fillStyle = ink[scale.none];
+    c.fillStyle = ink.none;
     c.fillRect(left, top, swatch, height);
     c.fillStyle = ink.soft;
     c.fillText(scale.noneText, left, top + height + 19);

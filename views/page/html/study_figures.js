@@ -106,10 +106,10 @@ const StudyFigures = (() => {
   const share = (scale, v) => (v - scale.low) / (scale.high - scale.low);
 
   // ---- response: grids ----
-  // The case at levels `at` (per column); others as fixed.
-  function caseAt(state, at) {
-    const levels = Study.own.map((c, k) => (at.has(k) ? at.get(k) : state.fixed[k]));
-    return Study.cells[Study.cell(levels)];
+  // The case at levels of columns, [column, level]; others as fixed.
+  function caseAt(state, pairs) {
+    const at = new Map(pairs);
+    return Study.cells[Study.cell(Study.own.map((c, k) => at.get(k) ?? state.fixed[k]))];
   }
   // Levels that shown cases have; of more than `most` some from end to end.
   const levelsOf = (c, most = Infinity) => {
@@ -146,10 +146,7 @@ const StudyFigures = (() => {
     const points = [];
     for (const l of second < 0 ? [0] : levelsOf(second, most))
       for (const k of levelsOf(state.x)) {
-        const at = new Map(panelAt);
-        at.set(state.x, k);
-        if (second >= 0) at.set(second, l);
-        const i = caseAt(state, at);
+        const i = caseAt(state, [...panelAt, [state.x, k], [second, l]]);
         points.push({ line: l, k, i, x: xOf(state.x, k), y: Study.value(state, i) });
       }
     return points;
@@ -172,7 +169,7 @@ const StudyFigures = (() => {
     return a >= 0 && a < 0.6 * b ? [0, b] : [a - 0.05 * (b - a), b + 0.05 * (b - a)];
   }
   function panelLevels(third) { return third < 0 ? [null] : levelsOf(third, kMostPanels); }
-  const panelMap = (third, l) => (l === null ? new Map() : new Map([[third, l]]));
+  const panelMap = (third, l) => (l === null ? [] : [[third, l]]);
   const panelTitles = (third) => (third < 0 ? null : panelLevels(third).map((l) => Study.said(column(third), l)));
 
   function curve(state, width, ink) {
@@ -181,11 +178,12 @@ const StudyFigures = (() => {
     const entries = second < 0 ? [] : levelsOf(second, kMostLines).map((l, i) => ({ name: Study.said(column(second), l), ...seriesStyle(i, ink) }));
     return panels(all.map((points) => curveChart(state, second, points, domain, ink)), panelTitles(third), entries, width, ink);
   }
+  function tableOf(state, cases) {
+    return { headings: ["case", ...Study.columns.map((c) => c.name), statistic(state).name], rows: cases.map((i) => [Study.numbers[i], ...Study.columns.map((c, k) => Study.level(k, i)), exact(Study.value(state, i))]) };
+  }
   function curveTable(state) {
-    const { second, third } = response(state), rows = [];
-    for (const l of panelLevels(third))
-      for (const p of curvePoints(state, second, panelMap(third, l), Infinity)) if (p.i >= 0) rows.push([Study.numbers[p.i], ...Study.columns.map((c, k) => Study.level(k, p.i)), exact(p.y)]);
-    return { headings: ["case", ...Study.columns.map((c) => c.name), statistic(state).name], rows };
+    const { second, third } = response(state);
+    return tableOf(state, panelLevels(third).flatMap((l) => curvePoints(state, second, panelMap(third, l), Infinity)).map((p) => p.i).filter((i) => i >= 0));
   }
 
   // Lines of value `level` through a grid of values, linear between its points: pieces with two ends.
@@ -209,10 +207,7 @@ const StudyFigures = (() => {
   const edges = (x) => x.map((v, i) => [i === 0 ? v : (x[i - 1] + v) / 2, i + 1 === x.length ? v : (v + x[i + 1]) / 2]);
   function mapValues(state, second, panelAt) {
     return levelsOf(state.x).map((a) => levelsOf(second).map((b) => {
-      const at = new Map(panelAt);
-      at.set(state.x, a);
-      at.set(second, b);
-      const i = caseAt(state, at);
+      const i = caseAt(state, [...panelAt, [state.x, a], [second, b]]);
       return { i, v: Study.value(state, i) };
     }));
   }
@@ -271,11 +266,7 @@ const StudyFigures = (() => {
     const entries = c2 && !scale ? c2.levels.slice(0, kMostLines).map((name, l) => ({ name: `${c2.name} = ${name}`, box: true, ...seriesStyle(l, ink) })) : [];
     return panels([chart], null, entries, width, ink, scale ? colourBar(c2.name, scale, width, ink) : null);
   }
-  function caseTable(state) {
-    const rows = [];
-    for (let i = 0; i < Study.count; ++i) rows.push([Study.numbers[i], ...Study.columns.map((c, k) => Study.level(k, i)), exact(Study.value(state, i))]);
-    return { headings: ["case", ...Study.columns.map((c) => c.name), statistic(state).name], rows };
-  }
+  const caseTable = (state) => tableOf(state, Array.from({ length: Study.count }, (x, i) => i));
 
   function responseFigure() {
     return {

@@ -16,11 +16,7 @@ const StudyMaps = (() => {
   const gridded = () => Report.grid && own.length > 0;
 
   function index() {
-    byLevels = new Map();
-    for (const f of about.fields) {
-      if (!ofContact(f)) continue;
-      byLevels.set(keyOf(f.levels.slice(0, own.length)), f);
-    }
+    byLevels = new Map(about.fields.filter(ofContact).map((f) => [keyOf(f.levels.slice(0, own.length)), f]));
     kept = own.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
     sorted();
   }
@@ -78,16 +74,15 @@ const StudyMaps = (() => {
   }
   function scaleOf(shown) {
     const kind = { state: "pressure", largest: "pressure" }[view.show] || view.show;
-    let [least, most, level] = about.scales[kind] || [0, 1, 0.2], map = "sequential";
-    if (isMean() || view.range === "map") {
-      let high = 0;
-      for (const x of shown.values) if (Math.abs(x) > high) high = Math.abs(x);
-      most = high || 1;
-      least = view.show.startsWith("difference") ? -most : 0;
-      level = scaleStep(least, most);
-      map = view.show.startsWith("difference") ? "diverging" : "sequential";
-    }
-    return { map, least, most, level, none: "none", noneText: map === "diverging" ? "" : "none", title: quantityTitle() };
+    const scale = { ...scaleOfNumbers(about.scales[kind]), noneText: "none", title: quantityTitle() };
+    if (!isMean() && view.range !== "map") return scale;
+    const difference = view.show.startsWith("difference");
+    let high = 0;
+    for (const x of shown.values) if (Math.abs(x) > high) high = Math.abs(x);
+    scale.most = high || 1;
+    scale.least = difference ? -scale.most : 0;
+    scale.level = scaleStep(scale.least, scale.most);
+    return difference ? { ...scale, map: "diverging", noneText: "" } : scale;
   }
   // The grid of several meshes that a surface's means are on.
   const commonOf = (surface) => Report.means.common.find((c) => c.surfaces.includes(surface));
@@ -128,13 +123,8 @@ const StudyMaps = (() => {
     view.surface = key;
     if (!common) solid.setView(about.surfaces[surface].view);
     if (!unrolled) return;
-    let far = 0, x = [Infinity, -Infinity], y = [Infinity, -Infinity];
-    for (let i = 0; i < unrolled.vertices.length; i += 3) {
-      x = [Math.min(x[0], unrolled.vertices[i]), Math.max(x[1], unrolled.vertices[i])];
-      y = [Math.min(y[0], unrolled.vertices[i + 1]), Math.max(y[1], unrolled.vertices[i + 1])];
-    }
-    const center = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, 0];
-    far = Math.max(x[1] - x[0], y[1] - y[0]) / 2;
+    const [x, y] = [0, 1].map((k) => Figures.tools.extent(unrolled.vertices.filter((v, i) => i % 3 === k)));
+    const center = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, 0], far = Math.max(x[1] - x[0], y[1] - y[0]) / 2;
     flat.setView({ axis: [0, 0, 1], up: [0, 1, 0], center, radius: far });
   }
 
@@ -244,13 +234,12 @@ const StudyMaps = (() => {
       makeToggle("map-cycle", "over the cycle", false, (on) => { view.stateKind = on ? "cycle" : "state"; update(); }),
       makeSelect("map-range", "Scale", [["all", "all maps"], ["map", "this map"]], view.range, (v) => { view.range = v; update(); }));
     if (gridded() && own.some((c) => c.numeric))
-      controls.append(make("button", { id: "between", text: "between stored cases", title: "Lets the sliders stop between stored cases: maps are then linear between them, not solved", "aria-pressed": "false", onclick: (e) => {
-        view.between = !view.between;
-        e.target.setAttribute("aria-pressed", String(view.between));
-        if (!view.between) view.at = view.at.map((x) => Math.round(x));
+      controls.append(makeToggle("between", "between stored cases", false, (on) => {
+        view.between = on;
+        if (!on) view.at = view.at.map((x) => Math.round(x));
         sliders();
         update();
-      } }));
+      }, "Lets the sliders stop between stored cases: maps are then linear between them, not solved"));
     if (!solid.fault)
       controls.append(make("button", { text: "reset view", onclick: () => { view.surface = null; update(); } }),
         make("button", { id: "map-png", text: "PNG", title: "Save both maps as PNG", onclick: () => save("png") }),
