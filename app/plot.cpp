@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <sstream>
 
@@ -255,7 +256,7 @@ class Encoder {
 
   std::string path_;
   int said_;
-  const IgnoredBrokenPipe broken_pipe_;
+  const std::shared_ptr<void> broken_pipe_ = ignore_broken_pipe();
   int child_ = 0;
   int pipe_ = -1;
 };
@@ -298,8 +299,7 @@ bool is_frame(const std::string& name) {
 }
 
 void write_frames(const Animation& animation, const PictureOptions& look, const EachFrame& each) {
-  using Put = std::function<void(const std::string&, const std::string&)>;
-  write_folder(animation.path, is_frame, [&](const Put& put) {
+  write_folder(animation.path, is_frame, [&](const PutFile& put) {
     each([&](MapFigure& figure, int frame, int frames) { put(frame_name(frame, frames), picture(figure, look)); });
   });
 }
