@@ -82,7 +82,7 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
 
 namespace {
 
-void begin(Progress& progress, const std::string& what) { progress.now(what, "", what); }
+void announce(Progress& progress, const std::string& what) { progress.now(what, "", what); }
 
 /// `options` and `progress` live as long as the run.
 void watch(RunOptions& options, Progress& progress) {
@@ -93,7 +93,7 @@ void watch(RunOptions& options, Progress& progress) {
   };
   options.on_writing = [&progress](const std::string& path) {
     now_under_way(UnderWay::Writing);
-    begin(progress, "writing " + file_name(path));
+    announce(progress, "writing " + file_name(path));
   };
   options.on_state = [&progress, last = seconds()](const StateResult& s, std::size_t index, std::size_t count) mutable {
     const Equilibrium& e = s.equilibrium;
@@ -186,7 +186,7 @@ int run(const RunArguments& a) {
   require_file(output_option, output);
 
   Progress progress(progress_style(quiet, a.verbose));
-  begin(progress, "reading " + file_name(a.model));
+  announce(progress, "reading " + file_name(a.model));
   JointModel read = read_feb(a.model);
   std::vector<NamedPath> files = input_files(a, settings);
   if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
@@ -210,7 +210,7 @@ int run(const RunArguments& a) {
   };
   if (!page.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
-      begin(progress, "writing " + file_name(page));
+      announce(progress, "writing " + file_name(page));
       write_run_page(page, recognition, analysis, std::move(xplt), a.model, output.empty() ? a.model : output, a.words,
                      files);
     };

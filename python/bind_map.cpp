@@ -102,9 +102,10 @@ py::dict panel_dict(const std::shared_ptr<MapFigure>& figure, const MapPanel& pa
   std::vector<std::array<double, 2>> points;
   for (const Vector2d& x : surface.projection.points) points.push_back({x.x(), x.y()});
   return py::dict("title"_a = text(panel.title), "points"_a = kept(std::move(points)),
-                  "triangles"_a = look(surface.mesh.triangles, figure), "facet"_a = look(surface.mesh.facet, figure),
-                  "layers"_a = layers_of(figure, panel), "facets"_a = look(panel.facets, figure),
-                  "nodes"_a = look(panel.points, figure), "edge"_a = panel.edge, "peak"_a = place_of(panel.peak),
+                  "triangles"_a = view_of(surface.mesh.triangles, figure),
+                  "facet"_a = view_of(surface.mesh.facet, figure), "layers"_a = layers_of(figure, panel),
+                  "facets"_a = view_of(panel.facets, figure), "nodes"_a = view_of(panel.points, figure),
+                  "edge"_a = panel.edge, "peak"_a = place_of(panel.peak),
                   "center_of_pressure"_a = place_of(panel.center_of_pressure));
 }
 

@@ -91,12 +91,12 @@ std::string region_name(const FieldView& f) {
 }
 
 py::array in_rows(const std::vector<float>& values, std::size_t each, const File& file) {
-  return look(py::dtype::of<float>(), values.size() / each, each, values.data(), file);
+  return view_of(py::dtype::of<float>(), values.size() / each, each, values.data(), file);
 }
 
 py::array values_of(const FieldView& f) {
   const std::size_t each = at(floats_per_value(f.what()));
-  return each <= 1 ? look(f.where().values, f.in.file) : in_rows(f.where().values, each, f.in.file);
+  return each <= 1 ? view_of(f.where().values, f.in.file) : in_rows(f.where().values, each, f.in.file);
 }
 
 /// Of one region of a group; region 0: of all regions of all groups.
@@ -182,7 +182,7 @@ void bind_field(py::module_& m) {
 void add_surface_values(Class<PlotSurfaceView>& surface) {
   surface
       .value("facet_areas", "(facets,)",
-             [](const PlotSurfaceView& v) { return look(v.surface->facet_areas, v.surface); })
+             [](const PlotSurfaceView& v) { return view_of(v.surface->facet_areas, v.surface); })
       .value("nodal_areas", "(vertices,) equal shares of the facets around each.",
              [](const PlotSurfaceView& v) { return kept(nodal_areas(*v.surface)); })
       .value("fields", "All that the file has on it, as it is there.",
@@ -266,9 +266,9 @@ void bind_plot_surface(py::module_& m) {
       .value("cell_types", "(facets,) VTK's number of each facet's type.",
              [](const PlotSurfaceView& v) { return kept(cells_of_surface(v.facets()).types); })
       .value("points", "(vertices, 3) of the surface alone, reference.",
-             [](const PlotSurfaceView& v) { return look(v.surface->mesh.vertices, v.surface); })
+             [](const PlotSurfaceView& v) { return view_of(v.surface->mesh.vertices, v.surface); })
       .value("triangles", "(triangles, 3) the surface as triangles of `points`.",
-             [](const PlotSurfaceView& v) { return look(v.surface->mesh.triangles, v.surface); });
+             [](const PlotSurfaceView& v) { return view_of(v.surface->mesh.triangles, v.surface); });
   add_surface_values(surface);
   add_surface_numbers(surface);
 }
@@ -279,7 +279,7 @@ void bind_plot_state(py::module_& m) {
       .value("points", "(nodes, 3) reference positions.",
              [](const PlotStateView& s) { return in_rows(s.mesh().coordinates, 3, s.file); })
       .value("node_ids", "(nodes,) their numbers.",
-             [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); })
+             [](const PlotStateView& s) { return view_of(s.mesh().node_ids, s.file); })
       .value("cells", "All elements as pyvista takes them: number of nodes, nodes in VTK's order.",
              [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).cells); })
       .value("cell_types", "(elements,) VTK's number of each element's type.",
@@ -293,7 +293,7 @@ void bind_plot_state(py::module_& m) {
       .value("node_sets", "By their names the rows of `points`.",
              [](const PlotStateView& s) {
                py::dict all;
-               for (const XpltSet& set : s.mesh().node_sets) all[text(set.name)] = look(set.items, s.file);
+               for (const XpltSet& set : s.mesh().node_sets) all[text(set.name)] = view_of(set.items, s.file);
                return all;
              })
       .value("fields", "Every field of the state.",

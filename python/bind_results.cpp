@@ -114,8 +114,8 @@ py::list inside_of(const StateView& v) {
     const Domain& domain = v.model().domains[at(d.domain)];
     all.append(py::dict("part"_a = text(domain.name),
                         "material"_a = text(v.model().materials[at(domain.material)].name),
-                        "element"_a = look(domain.element_ids, v.owner), "stress"_a = look(d.stress, v.owner),
-                        "strain"_a = look(d.strain, v.owner)));
+                        "element"_a = view_of(domain.element_ids, v.owner), "stress"_a = view_of(d.stress, v.owner),
+                        "strain"_a = view_of(d.strain, v.owner)));
   }
   return all;
 }
@@ -137,7 +137,7 @@ void bind_state(py::module_& m) {
       .value("reactions", "Per body (force, moment) by what loads and holds it, about its current centre of mass.",
              &reactions_of)
       .value("displacements", "(nodes, 3) of all nodes of the model, cartilage compressed.",
-             [](const StateView& v) { return look(v.state->displacements, v.owner); })
+             [](const StateView& v) { return view_of(v.state->displacements, v.owner); })
       .value("inside",
              "With the setting inside: per part of deformable solid elements a dictionary: \"part\", \"material\",\n"
              "\"element\" (elements,) ids, \"stress\" (elements, 6) Cauchy, global, and \"strain\" (elements, 6) "
@@ -228,7 +228,7 @@ void bind_side(py::module_& m) {
 /// A column of springs: a member of SpringStates.
 template <class Values>
 void add_column(Class<SpringsView>& to, const char* name, Values SpringStates::*values, const char* help) {
-  to.value(name, help, [values](const SpringsView& v) { return look(v.states->*values, v.owner); });
+  to.value(name, help, [values](const SpringsView& v) { return view_of(v.states->*values, v.owner); });
 }
 
 void bind_springs(py::module_& m) {
@@ -273,7 +273,7 @@ void bind_facets(py::module_& m) {
   for (const FacetField& field : facet_fields()) {  // a new one appears by itself
     const auto values = field.values;
     facets.value(field.column, (std::string("(facets,) ") + field.name + ".").c_str(),
-                 [values](const FacetsView& v) { return look(v.fields().*values, v.of.in.owner); });
+                 [values](const FacetsView& v) { return view_of(v.fields().*values, v.of.in.owner); });
   }
   for (const FacetField& field : inside_facet_fields()) {
     const auto values = field.values;
@@ -283,12 +283,12 @@ void bind_facets(py::module_& m) {
         [values](const FacetsView& v) -> py::object {
           const std::vector<double>& of = v.fields().*values;
           if (of.empty()) return py::none();
-          return look(of, v.of.in.owner);
+          return view_of(of, v.of.in.owner);
         });
   }
   facets
       .value("area", "(facets,) reference; 0: left out.",
-             [](const FacetsView& v) { return look(v.map().facet_area, v.of.in.owner); })
+             [](const FacetsView& v) { return view_of(v.map().facet_area, v.of.in.owner); })
       .value("center", "(facets, 3) centroid, reference; NaN: left out.",
              [](const FacetsView& v) { return kept(facet_centers_of(v)); })
       .value("nodes", "(facets, most nodes) rows of Model.points, filled up with -1.",
@@ -312,22 +312,22 @@ std::vector<double> node_strain(const SideView& v) {
 void bind_nodes(py::module_& m) {
   Class<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
       .value("index", "(nodes,) rows of Model.points.",
-             [](const NodesView& v) { return look(mesh_of(v).model_nodes, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(mesh_of(v).model_nodes, v.of.in.owner); })
       .value("point", "(nodes, 3) reference positions.",
-             [](const NodesView& v) { return look(mesh_of(v).vertices, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(mesh_of(v).vertices, v.of.in.owner); })
       .value("triangles",
              "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.",
-             [](const NodesView& v) { return look(mesh_of(v).triangles, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(mesh_of(v).triangles, v.of.in.owner); })
       .value("area",
              "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
              "quadrilateral (docs/theory.md, 6.1).",
-             [](const NodesView& v) { return look(mesh_of(v).vertex_areas, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(mesh_of(v).vertex_areas, v.of.in.owner); })
       .value("pressure", "(nodes,) area-weighted mean of the facets around.",
-             [](const NodesView& v) { return look(v.fields().vertex_pressure, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(v.fields().vertex_pressure, v.of.in.owner); })
       .value("thickness", "(nodes,) of the cartilage.",
-             [](const NodesView& v) { return look(v.fields().vertex_thickness, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(v.fields().vertex_thickness, v.of.in.owner); })
       .value("shortening", "(nodes,) of the cartilage, >= 0.",
-             [](const NodesView& v) { return look(v.fields().vertex_shortening, v.of.in.owner); })
+             [](const NodesView& v) { return view_of(v.fields().vertex_shortening, v.of.in.owner); })
       .value("strain", "(nodes,) shortening over thickness; NaN: no cartilage.",
              [](const NodesView& v) { return kept(node_strain(v)); })
       .def("__len__", [](const NodesView& v) { return mesh_of(v).vertices.size(); })

@@ -223,9 +223,9 @@ void bind_model(py::module_& m) {
       .value("units", "FEBio's name of its system of units; \"\": it names none.",
              [](const ReadModel& r) { return r.model.units; })
       .value("points", "(nodes, 3) reference positions, the model's length.",
-             [](const std::shared_ptr<ReadModel>& r) { return look(r->model.nodes, r); })
+             [](const std::shared_ptr<ReadModel>& r) { return view_of(r->model.nodes, r); })
       .value("node_ids", "(nodes,) numbers of the nodes in the file.",
-             [](const std::shared_ptr<ReadModel>& r) { return look(r->model.node_ids, r); })
+             [](const std::shared_ptr<ReadModel>& r) { return view_of(r->model.node_ids, r); })
       .value(
           "cells",
           "All elements one after the other as pyvista takes them: number of nodes, rows of `points` in VTK's order.",

@@ -55,7 +55,7 @@ py::object plain(const Json& json) {
   }
 }
 
-py::array look(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner) {
+py::array view_of(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner) {
   const py::capsule base(new Owner(owner), [](void* kept) { delete static_cast<Owner*>(kept); });
   std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(rows)};
   if (columns > 0) shape.push_back(static_cast<py::ssize_t>(columns));

@@ -39,28 +39,28 @@ py::list texts(const std::vector<std::string>& lines);
 py::object plain(const Json& json);
 
 /// Of `rows` times `columns` numbers (columns 0: one dimension).
-py::array look(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner);
+py::array view_of(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner);
 
 template <class Number>
-requires std::is_arithmetic_v<Number> py::array look(const std::vector<Number>& values, const Owner& owner) {
+requires std::is_arithmetic_v<Number> py::array view_of(const std::vector<Number>& values, const Owner& owner) {
   // a flag of ours is a char of 0 or 1
   const py::dtype type = std::is_same_v<Number, char> ? py::dtype("?") : py::dtype::of<Number>();
-  return look(type, values.size(), 0, values.data(), owner);
+  return view_of(type, values.size(), 0, values.data(), owner);
 }
 template <class Number, std::size_t columns>
-py::array look(const std::vector<std::array<Number, columns>>& values, const Owner& owner) {
-  return look(py::dtype::of<Number>(), values.size(), columns, values.data(), owner);
+py::array view_of(const std::vector<std::array<Number, columns>>& values, const Owner& owner) {
+  return view_of(py::dtype::of<Number>(), values.size(), columns, values.data(), owner);
 }
-inline py::array look(const std::vector<Vector3d>& values, const Owner& owner) {
+inline py::array view_of(const std::vector<Vector3d>& values, const Owner& owner) {
   static_assert(sizeof(Vector3d) == 3 * sizeof(double));
-  return look(py::dtype::of<double>(), values.size(), 3, values.data(), owner);
+  return view_of(py::dtype::of<double>(), values.size(), 3, values.data(), owner);
 }
 
 /// The array itself keeps what is given.
 template <class Values>
 py::array kept(Values values) {
   const auto owner = std::make_shared<const Values>(std::move(values));
-  return look(*owner, owner);
+  return view_of(*owner, owner);
 }
 
 py::array vector3(const Vector3d& v);

@@ -108,17 +108,17 @@ NodeRows rows_of_nodes(const StatedStep& now, int body, bool& back) {
     }
     return found.rows.size() > before;
   };
-  const auto ours = [&](const std::vector<int>& nodes) {
+  const auto on_this_body = [&](const std::vector<int>& nodes) {
     return std::any_of(nodes.begin(), nodes.end(), [&](int node) { return now.node_body[at(node)] == body; });
   };
   for (const FixedNodes& f : now.model.fixed_nodes) {
     for (int k = 0; k < 3; ++k)
       if (f.acts(now.step) && f.xyz[at(k)]) add(f.nodes, k, -1);
-    back = back || (f.step > 0 && ours(f.nodes));
+    back = back || (f.step > 0 && on_this_body(f.nodes));
   }
   for (const PrescribedNodes& p : now.model.prescribed_nodes) {
     if (!p.acts(now.step)) {
-      back = back || ours(p.nodes);
+      back = back || on_this_body(p.nodes);
       continue;
     }
     if (!add(p.nodes, p.component, static_cast<int>(found.motions.size()))) continue;

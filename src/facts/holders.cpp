@@ -73,14 +73,14 @@ void note_bones(const JointModel& model, const Bodies& bodies, const std::vector
 void note_ground(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                  const NodeHolds& node_holds, const std::vector<int>& moved, Holders& holders) {
   holders.fixed.assign(model.nodes.size(), 0);
-  holders.mirror.assign(model.nodes.size(), 0);
+  holders.held_components.assign(model.nodes.size(), 0);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     if (moved[i] >= 0) continue;  // fixed in some components or steps, moved in others
     unsigned fixed = 0;
     for (const NodeHold& hold : node_holds.of(static_cast<int>(i)))
       if (hold.fixed) fixed |= 1u << hold.component;
     if (fixed != 7u) {
-      holders.mirror[i] = static_cast<unsigned char>(fixed);
+      holders.held_components[i] = static_cast<unsigned char>(fixed);
       continue;
     }
     if (bodies.of_node[i] >= 0) continue;  // they hold that body, or are FEBio's to ignore
@@ -211,13 +211,14 @@ void note_planes(const JointModel& model, const std::vector<int>& region, const 
     if (c.dea) stated.insert(stated.end(), c.dea->symmetry_planes.begin(), c.dea->symmetry_planes.end());
   const std::vector<unsigned char> in_stated = nodes_in_planes(model.nodes, stated, holders.same_plane);
   for (std::size_t i = 0; i < in_stated.size(); ++i)
-    holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | in_stated[i]);
+    holders.held_components[i] = static_cast<unsigned char>(holders.held_components[i] | in_stated[i]);
   std::vector<char> on_bone;
   for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
-  holders.ends = find_part_ends(model, region, node_holds, holders.mirror, on_bone, holders.same_plane);
+  holders.ends = find_part_ends(model, region, node_holds, holders.held_components, on_bone, holders.same_plane);
   for (const PartEnd& end : holders.ends)
     for (const int node : end.forgotten)
-      holders.mirror[at(node)] = static_cast<unsigned char>(holders.mirror[at(node)] | (1u << end.plane.axis));
+      holders.held_components[at(node)] =
+          static_cast<unsigned char>(holders.held_components[at(node)] | (1u << end.plane.axis));
 }
 
 }  // namespace

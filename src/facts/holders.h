@@ -40,9 +40,9 @@ struct Holders {
   std::set<std::string> ties;                           ///< names of the contacts that are how a body holds a part
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
-  std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
-  double same_plane = 0.0;            ///< nodes nearer to a plane of symmetry lie in it
-  std::vector<PartEnd> ends;          ///< of deformable parts, at which nodes are held
+  std::vector<unsigned char> held_components;  ///< per node: bit k set, held by the ground in component k, not in all
+  double same_plane = 0.0;                     ///< nodes nearer to a plane of symmetry lie in it
+  std::vector<PartEnd> ends;                   ///< of deformable parts, at which nodes are held
 };
 
 /// Ties that reach no node of some that lie over their surface.

@@ -75,13 +75,14 @@ std::vector<char> nodes_that_matter(const ModelParts& parts) {
 bool is_held(const ModelParts& parts, const LoosePiece& piece, int step) {
   const JointModel& model = parts.model;
   std::array<bool, kDofs> dofs = {};
-  const auto ours = [&](int material) {
+  const auto on_this_body = [&](int material) {
     return std::find(piece.in_model.begin(), piece.in_model.end(), material) != piece.in_model.end();
   };
   for (const RigidFixed& f : model.rigid_fixed)
-    for (std::size_t k = 0; k < kDofs; ++k) dofs[k] = dofs[k] || (f.dofs[k] && f.acts(step) && ours(f.material));
+    for (std::size_t k = 0; k < kDofs; ++k)
+      dofs[k] = dofs[k] || (f.dofs[k] && f.acts(step) && on_this_body(f.material));
   for (const RigidPrescribed& p : model.rigid_prescribed)
-    if (p.acts(step) && ours(p.material)) dofs[at(p.dof)] = true;
+    if (p.acts(step) && on_this_body(p.material)) dofs[at(p.dof)] = true;
   if (std::all_of(dofs.begin(), dofs.end(), [](bool held) { return held; })) return true;
   double length = 0.0;
   std::vector<NodeRow> rows;

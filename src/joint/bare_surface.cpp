@@ -316,7 +316,7 @@ BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, b
 }
 
 Findings face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer) {
-  const CarriedSurface carried = carry(parts, layer.surface);
+  const CarriedSurface carried = carried_surface(parts, layer.surface);
   const SurfaceMesh& mesh = layer.articular;
   if (layer.material >= 0 || !carried.on_shells || mesh.size() == 0 || partner.size() == 0) return {};
   const std::vector<int> piece = connected_pieces(mesh);

@@ -84,7 +84,7 @@ void check_volume(const JointModel& model, const Domain& d, int element) {
                  "check its thickness and the positions of its nodes");
 }
 
-CarriedSurface carry(const ModelParts& parts, int surface) {
+CarriedSurface carried_surface(const ModelParts& parts, int surface) {
   const JointModel& model = parts.model;
   const Surface& s = model.surfaces[at(surface)];
   CarriedSurface out;

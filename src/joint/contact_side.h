@@ -46,7 +46,7 @@ struct CarriedSurface {
   int turned = 0;                     ///< facets that the model winds into their solid element
 };
 /// InputError: a fault of the surface or an element.
-CarriedSurface carry(const ModelParts& parts, int surface);
+CarriedSurface carried_surface(const ModelParts& parts, int surface);
 
 /// InputError: a solid element is inside out or has no volume.
 void check_volume(const JointModel& model, const Domain& domain, int element);

@@ -191,7 +191,7 @@ bool make_layers(const ModelParts& parts, const Contact& c, ContactPair& pair, s
 void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
   for (Layer& layer : pair.layers) {
     if (layer.rigid || layer.springs_at == SpringsAt::Bone || layer.face.mesh.size() > 0) continue;
-    layer.face = selected_face(layer.articular, parts.holders.mirror);
+    layer.face = selected_face(layer.articular, parts.holders.held_components);
     layer.face.thickness = layer.thickness;
   }
 }

@@ -86,7 +86,7 @@ std::vector<BesideSide> sides_beside(const ContactSide& in) {
 int body_of_side(const ModelParts& parts, const Contact& contact, int side) {
   const ContactSide in = contact_side(parts, contact, side);
   try {
-    return find_attachment(in, find_support(in, carry(parts, in.index))).body;
+    return find_attachment(in, find_support(in, carried_surface(parts, in.index))).body;
   } catch (const InputError&) {
     return -1;
   }
@@ -141,7 +141,7 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
     if (body_of_side(in.parts, *beside.contact, beside.side) != body ||
         body_of_side(in.parts, *beside.contact, 1 - beside.side) != partner)
       continue;
-    const FacetList facets = carry(in.parts, beside.surface).facets;
+    const FacetList facets = carried_surface(in.parts, beside.surface).facets;
     for (int f = 0; f < facets.size(); ++f) list.add(facets.facet(f));
   }
   return list;
@@ -160,7 +160,7 @@ void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface&
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
-                         kFaceReach * deepest, parts.holders.mirror, in.in_plane, elsewhere);
+                         kFaceReach * deepest, parts.holders.held_components, in.in_plane, elsewhere);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   layer.face.thickness = layer.thickness;

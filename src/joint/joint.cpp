@@ -246,7 +246,7 @@ Findings unmodelled_parts(const ModelParts& parts, const Conditions& conditions,
     for (int k = 0; k < n; ++k) {
       const std::set<int>& with = bodies[at(nodes[k])];
       piece.bodies.insert(with.begin(), with.end());
-      if (with.empty()) piece.held |= parts.holders.mirror[at(nodes[k])];
+      if (with.empty()) piece.held |= parts.holders.held_components[at(nodes[k])];
     }
     if (piece.names.empty() || piece.names.back() != d.name) piece.names.push_back(d.name);
     ++piece.elements;

@@ -27,7 +27,7 @@ bool nodes_held_in(const ModelParts& parts, const Layer& layer, const SymmetryPl
         !(std::abs(parts.model.nodes[at(node)][plane.axis] - plane.at) <= parts.holders.same_plane))
       continue;
     ++all;
-    held += (parts.holders.mirror[at(node)] >> plane.axis & 1) != 0;
+    held += (parts.holders.held_components[at(node)] >> plane.axis & 1) != 0;
   }
   return held > 1 && 5 * held >= all;
 }
@@ -80,7 +80,7 @@ Findings held_in_no_plane(const ModelParts& parts, const Layer& layer, const std
     std::vector<int> held;
     for (const int node : layer.region_nodes) {
       if (parts.bodies.of_node[at(node)] >= 0 || !parts.holders.of_node[at(node)].empty()) continue;
-      if ((parts.holders.mirror[at(node)] >> k & 1) == 0) continue;
+      if ((parts.holders.held_components[at(node)] >> k & 1) == 0) continue;
       const Vector3d& x = parts.model.nodes[at(node)];
       const bool known =
           std::any_of(told.begin(), told.end(), [&](double at) { return std::abs(x[k] - at) <= near_by; }) ||

@@ -172,7 +172,8 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
     throw UsageError(Fault{.given = NamedSetting{"bone", in.surface.name, name},
                            .found = no_such_name("surface", name, every_name(model.surfaces))});
   if (named >= 0) {
-    draft.layer.bone = named_bone(in, carry(parts, named).facets, carried, draft.boundary, draft.layer.articular);
+    draft.layer.bone =
+        named_bone(in, carried_surface(parts, named).facets, carried, draft.boundary, draft.layer.articular);
   } else {
     draft.layer.bone = bonded_surface(model, draft.boundary, in.in_plane);
   }
@@ -459,7 +460,7 @@ void scale_thickness(const ContactSide& in, Layer& layer) {
 }
 
 /// The surface with the body it moves with.
-Layer begin(const ContactSide& in, const CarriedSurface& carried, const Support& support) {
+Layer begin_layer(const ContactSide& in, const CarriedSurface& carried, const Support& support) {
   Layer layer;
   layer.surface = in.index;
   layer.planes = in.planes;
@@ -487,14 +488,14 @@ Layer begin(const ContactSide& in, const CarriedSurface& carried, const Support&
 }
 
 /// Modulus, thickness and what is beyond the rim, once both surfaces are known.
-void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elements, LayerDraft& draft) {
+void finish_layer(const ContactSide& in, const CarriedSurface& carried, bool on_elements, LayerDraft& draft) {
   Layer& layer = draft.layer;
   const Facets facets = facets_of(in.parts.settings, in.contact);
   if (facets == Facets::Flat) {
     flatten(layer.articular);
     flatten(layer.bone);
   }
-  for (int node : layer.articular.model_nodes) layer.mirror.push_back(in.parts.holders.mirror[at(node)]);
+  for (int node : layer.articular.model_nodes) layer.mirror.push_back(in.parts.holders.held_components[at(node)]);
   if (!layer.rigid) {
     layer.elasticity = layer_elasticity(in, layer.material);
     if (const auto fault = elasticity_fault(in, layer.material, layer.elasticity)) throw InputError(*fault);
@@ -516,16 +517,16 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
 Layer make_layer(const ModelParts& parts, const Contact& contact, int side) {
   ContactSide in = contact_side(parts, contact, side);
   find_planes(in);
-  const CarriedSurface carried = carry(parts, in.index);
+  const CarriedSurface carried = carried_surface(parts, in.index);
   refuse_repeated_facet(in);
   const Support support = find_support(in, carried);
   const bool on_elements = !support.regions.empty();
-  LayerDraft draft{begin(in, carried, support), {}};
+  LayerDraft draft{begin_layer(in, carried, support), {}};
   if (on_elements)
     finish_bonded_layer(in, carried, support, draft);
   else
     finish_bare_surface(in, draft.layer);
-  finish(in, carried, on_elements, draft);
+  finish_layer(in, carried, on_elements, draft);
   draft.layer.compartments = find_compartments(parts.model, carried, draft.layer.articular);
   return std::move(draft.layer);
 }

@@ -75,27 +75,28 @@ std::vector<Fault> far_surfaces(const JointModel& model, const NodeSpacing& spac
 /// Nodes, and points that the model's conditions name. `reach`: by the largest elements.
 std::vector<Fault> far_points(const JointModel& model, double reach) {
   std::vector<Fault> faults;
-  const auto look = [&](const std::string& what, Origin origin, const Vector3d& x) {
+  const auto check_place = [&](const std::string& what, Origin origin, const Vector3d& x) {
     if (!beyond(x, reach) || faults.size() >= kMostNamed) return;
     faults.push_back(make_fault(model, origin,
                                 say("{} is at {}, too far from the origin for this mesh;", what, text_of(x)),
                                 "check its coordinates"));
   };
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    if (beyond(model.nodes[i], reach)) look(fmt::format("node {}", model.node_ids[i]), {0, 0}, model.nodes[i]);
+    if (beyond(model.nodes[i], reach)) check_place(fmt::format("node {}", model.node_ids[i]), {0, 0}, model.nodes[i]);
   for (const Material& m : model.materials)
-    if (m.center_of_mass) look(fmt::format("the centre of mass of \"{}\"", m.name), m.origin, *m.center_of_mass);
+    if (m.center_of_mass) check_place(fmt::format("the centre of mass of \"{}\"", m.name), m.origin, *m.center_of_mass);
   for (const RigidFollower& f : model.rigid_followers)
-    look(fmt::format("the insertion of \"{}\"", f.name), f.origin, f.insertion);
+    check_place(fmt::format("the insertion of \"{}\"", f.name), f.origin, f.insertion);
   for (const RigidAxialForce& f : model.rigid_axial_forces)
-    for (const Vector3d& x : {f.point_a, f.point_b}) look(fmt::format("a point of \"{}\"", f.name), f.origin, x);
+    for (const Vector3d& x : {f.point_a, f.point_b}) check_place(fmt::format("a point of \"{}\"", f.name), f.origin, x);
   for (const RigidCable& c : model.rigid_cables)
-    for (const RigidCable::Point& p : c.points) look(fmt::format("a point of \"{}\"", c.name), c.origin, p.position);
+    for (const RigidCable::Point& p : c.points)
+      check_place(fmt::format("a point of \"{}\"", c.name), c.origin, p.position);
   for (const RigidJoint& j : model.rigid_joints)
-    look(fmt::format("the joint_origin of \"{}\"", j.name), j.origin, j.joint_origin);
+    check_place(fmt::format("the joint_origin of \"{}\"", j.name), j.origin, j.joint_origin);
   for (const RigidSpring& s : model.rigid_springs)
     for (const Vector3d& x : {s.insertion_a, s.insertion_b})
-      look(fmt::format("an insertion of \"{}\"", s.name), s.origin, x);
+      check_place(fmt::format("an insertion of \"{}\"", s.name), s.origin, x);
   return faults;
 }
 

@@ -27,7 +27,7 @@ constexpr int kLeastPatience = 5;  // poses: a warm start that is near its balan
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// From state to state: where the next one starts, and how long it is searched.
-struct Walk {
+struct StateSequence {
   Start start;                    // `poses`: of the last state that was solved
   std::vector<Vector6> reaction;  // there
   std::vector<Vector6> step_reaction;
@@ -36,40 +36,41 @@ struct Walk {
   int step = 0;
 };
 
-void begin_step(Walk& walk, int step, const EquilibriumOptions& options) {
-  walk.search.patience = options.patience;
-  walk.step = step;
-  walk.start.step_poses = walk.start.poses;
-  walk.step_reaction = walk.reaction;
+void begin_step(StateSequence& sequence, int step, const EquilibriumOptions& options) {
+  sequence.search.patience = options.patience;
+  sequence.step = step;
+  sequence.start.step_poses = sequence.start.poses;
+  sequence.step_reaction = sequence.reaction;
 }
 
 /// A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
 /// solved.
-void end_state(Walk& walk, const Equilibrium& e, const EquilibriumOptions& options) {
+void end_state(StateSequence& sequence, const Equilibrium& e, const EquilibriumOptions& options) {
   const bool balanced = e.history.empty() || e.history.back() <= 1e3 * options.tolerance;
   if (solved(e.outcome) || (e.outcome == Outcome::BeyondStrainLimit && balanced)) {
-    walk.start.poses = e.poses;
-    walk.reaction = e.reaction;
+    sequence.start.poses = e.poses;
+    sequence.reaction = e.reaction;
   }
   // Loads that follow one without a balance start where it did: they are searched again, but not as long.
   if (solved(e.outcome))
-    walk.search.patience = options.patience;
+    sequence.search.patience = options.patience;
   else if (e.outcome == Outcome::NoEquilibrium || e.outcome == Outcome::NotConverged)
-    walk.search.patience = std::max(std::min(kLeastPatience, walk.search.patience), walk.search.patience / 3);
+    sequence.search.patience =
+        std::max(std::min(kLeastPatience, sequence.search.patience), sequence.search.patience / 3);
 }
 
 LoadCase load_case_of(const JointModel& model, const Settings& settings, const Prepared& prepared,
-                      const TimePoint& when, const Walk& walk) {
-  return when.row >= 0 ? make_row_case(model, prepared.joint, settings, when.row, walk.start.poses,
-                                       walk.start.step_poses, &walk.step_reaction)
-                       : make_load_case(model, prepared.joint, settings, when.step, when.time, &walk.step_reaction);
+                      const TimePoint& when, const StateSequence& sequence) {
+  return when.row >= 0 ? make_row_case(model, prepared.joint, settings, when.row, sequence.start.poses,
+                                       sequence.start.step_poses, &sequence.step_reaction)
+                       : make_load_case(model, prepared.joint, settings, when.step, when.time, &sequence.step_reaction);
 }
 
 /// `reference`: the reference configuration is not solved.
-Equilibrium solve_state(const Prepared& prepared, const LoadCase& load_case, bool reference, Walk& walk) {
-  return reference
-             ? state_at(prepared.joint, prepared.beds, load_case, walk.start.poses, &walk.memory, walk.search.stop)
-             : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
+Equilibrium solve_state(const Prepared& prepared, const LoadCase& load_case, bool reference, StateSequence& sequence) {
+  return reference ? state_at(prepared.joint, prepared.beds, load_case, sequence.start.poses, &sequence.memory,
+                              sequence.search.stop)
+                   : solve(prepared, load_case, sequence.start, sequence.search, &sequence.memory);
 }
 
 /// Per body: is one of three dofs free? `first`: 0, to move; 3, to turn.
@@ -88,25 +89,27 @@ bool any_turns(const LoadCase& load_case) {
 int last_step(const JointModel& model) { return static_cast<int>(model.steps.size()) - 1; }
 
 /// What is held stays where the settings place it, and a body that is placed starts there.
-void begin_from(const Begin& begin, const Joint& joint, const LoadCase& load_case, Walk& walk) {
+void take_known_balance(const KnownBalance& known, const Joint& joint, const LoadCase& load_case,
+                        StateSequence& sequence) {
   const std::vector<Pose> reference = reference_poses(joint);
-  std::vector<Pose>& poses = walk.start.poses;
+  std::vector<Pose>& poses = sequence.start.poses;
   for (std::size_t b = 0; b < poses.size(); ++b) {
     if (poses[b].center != reference[b].center || poses[b].rotation != reference[b].rotation) continue;
-    poses[b] = free_part(load_case.bodies[b], poses[b], begin.poses[b]);
+    poses[b] = free_part(load_case.bodies[b], poses[b], known.poses[b]);
   }
-  walk.memory = begin.memory;
+  sequence.memory = known.memory;
 }
 
-/// From `begin`; where that finds no solution, or none that is stable, from where the walk starts.
-Equilibrium solve_from(const Begin& begin, const Prepared& prepared, const LoadCase& load_case, Walk& walk) {
-  const Start start = walk.start;
-  begin_from(begin, prepared.joint, load_case, walk);
-  Equilibrium found = solve_state(prepared, load_case, false, walk);
+/// From `begin`; where that finds no solution, or none that is stable, from where the sequence starts.
+Equilibrium solve_from(const KnownBalance& known, const Prepared& prepared, const LoadCase& load_case,
+                       StateSequence& sequence) {
+  const Start start = sequence.start;
+  take_known_balance(known, prepared.joint, load_case, sequence);
+  Equilibrium found = solve_state(prepared, load_case, false, sequence);
   if (solved(found.outcome) && found.least_stiffness > 0) return found;
-  walk.start = start;
-  walk.memory.clear();
-  return solve_state(prepared, load_case, false, walk);
+  sequence.start = start;
+  sequence.memory.clear();
+  return solve_state(prepared, load_case, false, sequence);
 }
 
 /// What is as large as the mesh goes.
@@ -196,29 +199,30 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     add_once(solved.idle, idle_model_loads(model, joint, settings));
     add_once(solved.idle, idle_load_points(model, joint, settings));
   }
-  Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
+  StateSequence sequence{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
   if (options.activity) {
-    walk.search.watch = [&](const SearchStatus& status) {
+    sequence.search.watch = [&](const SearchStatus& status) {
       if (options.equilibrium.watch) options.equilibrium.watch(status);
       activity.search = status;
       options.activity(activity);
     };
   }
   for (std::size_t i = 0; i < times.size(); ++i) {
-    if (times[i].step != walk.step) begin_step(walk, times[i].step, options.equilibrium);
+    if (times[i].step != sequence.step) begin_step(sequence, times[i].step, options.equilibrium);
     activity.index = i;
     activity.search = {};
     if (options.activity) options.activity(activity);
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
-    const LoadCase load_case = load_case_of(model, settings, prepared, times[i], walk);
-    if (i == 0 && !reference && options.begin != nullptr && times[i].step == last_step(model) && !any_turns(load_case))
-      state.equilibrium = solve_from(*options.begin, prepared, load_case, walk);
+    const LoadCase load_case = load_case_of(model, settings, prepared, times[i], sequence);
+    if (i == 0 && !reference && options.known_balance != nullptr && times[i].step == last_step(model) &&
+        !any_turns(load_case))
+      state.equilibrium = solve_from(*options.known_balance, prepared, load_case, sequence);
     else
-      state.equilibrium = solve_state(prepared, load_case, reference, walk);
-    end_state(walk, state.equilibrium, options.equilibrium);
+      state.equilibrium = solve_state(prepared, load_case, reference, sequence);
+    end_state(sequence, state.equilibrium, options.equilibrium);
     if (parted(state.equilibrium, stiffest)) {
       state.equilibrium.outcome = Outcome::NoContact;
       state.equilibrium.message = "nothing loads a free body, and nothing presses it";
@@ -251,7 +255,7 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   if (given.activity) given.activity({Activity::Stage::Springs, 0, 0, {}});
   Prepared prepared = prepare(recognition, given.equilibrium.stop);
   Analysis analysis;
-  add_once(prepared.joint.findings, given.told);
+  add_once(prepared.joint.findings, given.found_before);
   analysis.maps = make_field_maps(model, prepared.joint);
   analysis.seconds_joint = recognition.seconds + now() - clock;
 

@@ -37,7 +37,7 @@ struct Activity {
 };
 
 /// A solution from which the search for another may start.
-struct Begin {
+struct KnownBalance {
   std::vector<Pose> poses;          ///< one per body
   std::vector<PressMemory> memory;  ///< one per contact
 };
@@ -51,7 +51,7 @@ struct AnalysisOptions {
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
-  Findings told;              ///< what the caller found as it chose the states: among Analysis::findings
+  Findings found_before;      ///< what the caller found as it chose the states: among Analysis::findings
   bool displacements = true;  ///< StateResult::displacements are wanted
   /// Not owned: of the same joint, whose inside is wanted with the fields; nullptr: it is not. `analyse` makes it
   /// itself where the settings ask for it.
@@ -60,7 +60,7 @@ struct AnalysisOptions {
   /// body is free to turn (else there may be several balances, and the search's start chooses among them). Its free
   /// dofs count, of bodies that are not placed. A state that is not solved or not stable from there is searched from
   /// the starting poses, as without it.
-  const Begin* begin = nullptr;
+  const KnownBalance* known_balance = nullptr;
 };
 
 /// Fills fields, statistics and, unless `inside` is null, the inside of a state whose equilibrium has its springs.

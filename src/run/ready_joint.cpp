@@ -34,7 +34,7 @@ std::string text_of(const SettingItem& item) {
 }
 
 /// The end of the model's last step, from the reference; nothing where that is no solution.
-std::optional<Begin> solve_begin(const ReadyJoint& ready, const StopFlag* stop) {
+std::optional<KnownBalance> solve_end_of_model(const ReadyJoint& ready, const StopFlag* stop) {
   Settings settings = ready.settings;
   settings.skip_steps = true;
   EquilibriumOptions options;
@@ -42,11 +42,11 @@ std::optional<Begin> solve_begin(const ReadyJoint& ready, const StopFlag* stop) 
   try {
     const TimePoint end = row_states(ready.model, settings, parse_states("last"), "").times.back();
     const LoadCase loads = make_load_case(ready.model, ready.prepared.joint, settings, end.step, end.time);
-    Begin begin;
-    const Equilibrium e = solve(ready.prepared, loads, at_rest(ready.prepared), options, &begin.memory);
+    KnownBalance balance;
+    const Equilibrium e = solve(ready.prepared, loads, at_rest(ready.prepared), options, &balance.memory);
     if (!solved(e.outcome)) return std::nullopt;
-    begin.poses = e.poses;
-    return begin;
+    balance.poses = e.poses;
+    return balance;
   } catch (const InputError&) {  // a case's own loads may still be possible
     return std::nullopt;
   }
@@ -80,9 +80,9 @@ std::shared_ptr<const ReadyJoint> make_ready_joint(Recognition recognition, cons
   return ready;
 }
 
-const Begin* ReadyJoint::begin(const StopFlag* stop) const {
-  std::call_once(begun_, [&] { begin_ = solve_begin(*this, stop); });
-  return begin_ ? &*begin_ : nullptr;
+const KnownBalance* ReadyJoint::end_of_model(const StopFlag* stop) const {
+  std::call_once(end_solved_, [&] { end_of_model_ = solve_end_of_model(*this, stop); });
+  return end_of_model_ ? &*end_of_model_ : nullptr;
 }
 
 const InsideMaps& ReadyJoint::inside() const {

@@ -21,13 +21,13 @@ struct ReadyJoint {
 
   /// The end of the model's last step, as the file has it, solved from the reference when it is first asked for;
   /// nullptr: it is no solution. Stopped: `stop` was set.
-  const Begin* begin(const StopFlag* stop) const;
+  const KnownBalance* end_of_model(const StopFlag* stop) const;
   /// The inside of its layers, made ready when it is first asked for.
   const InsideMaps& inside() const;
 
  private:
-  mutable std::once_flag begun_;
-  mutable std::optional<Begin> begin_;
+  mutable std::once_flag end_solved_;
+  mutable std::optional<KnownBalance> end_of_model_;
   mutable std::once_flag looked_inside_;
   mutable InsideMaps inside_;
 };

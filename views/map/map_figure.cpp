@@ -649,7 +649,7 @@ ColourMap chosen_map(const MapOptions& o, bool difference) {
   return map;
 }
 
-Work begin(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o, bool animated) {
+Work begin_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o, bool animated) {
   Work work = {files, minus, o, animated};
   work.rows = choose_states(files, o);
   MapFigure& figure = work.figure;
@@ -717,7 +717,7 @@ bool all_solved(const MapFigure& figure) {
 }
 
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
-  Work work = begin(files, minus, o, false);
+  Work work = begin_figure(files, minus, o, false);
   std::vector<MapValues> values;
   for (const Row& row : work.rows) add_row(work, row, values);
   add_panels(work.figure, o, minus, work.together);
@@ -729,7 +729,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
 std::vector<std::string> each_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus,
                                          const MapOptions& o,
                                          const std::function<void(MapFigure&, int frame, int frames)>& show) {
-  Work work = begin(files, minus, o, true);
+  Work work = begin_figure(files, minus, o, true);
   MapFigure& figure = work.figure;
   const std::vector<Row>& rows = work.rows;
   std::vector<MapValues> values;
