@@ -197,7 +197,7 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
   const auto a = std::make_shared<Analysed>();
   a->recognised = recognised;
   AnalysisOptions how = options_of(states, work, a->springs);
-  how.told = findings_of_states(recognition.model, asked, times_from, states);
+  how.found_before = findings_of_states(recognition.model, asked, times_from, states);
   a->analysis = analyse(recognition, how);
   a->timings = {recognised->read->seconds, a->analysis.seconds_joint, a->analysis.seconds_solve, 0.0,
                 recognised->read->seconds + recognition.seconds + seconds() - start};

@@ -118,7 +118,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   timings.read = options.seconds_reading + seconds() - start;
   GrowingResults growing(recognition, states, options);
   AnalysisOptions how = analysis_options(options, states, growing);
-  how.told = findings_of_states(model, outputs, options.times_from, states);
+  how.found_before = findings_of_states(model, outputs, options.times_from, states);
   result.analysis = analyse(recognition, how);
   if (!options.with_plot) {  // the bulk of the memory
     result.analysis.beds = {};
