@@ -44,7 +44,7 @@ text = {path: path.read_text() for folder in ("src", "io", "views", "app") for p
 everything = "\n".join(text.values())
 for figure in re.findall(r"`(k\w+ = [^`]+)`", page):
     check(re.search(rf"\b{re.escape(figure)}\b", everything), f"docs/developers/promises.md: found {figure}, the source has another number")
-schemas = set(re.findall(r'"schema"\] = "(dea\.\w+/\d+)"', everything))
+schemas = set(re.findall(r'(?:"schema"\] = |head_json\()"(dea\.\w+/\d+)"', everything))
 check(schemas and schemas == set(re.findall(r"`(dea\.\w+/\d+)`", page)), f"docs/developers/promises.md: expected the schemas {sorted(schemas)}")
 codes = {int(n) for n in re.findall(r"\bk\w+ = (\d+)", re.search(r"enum ExitCode \{(.*?)\}", everything).group(1))}
 check(codes and codes <= {int(n) for n in re.findall(r"^\| (\d+)", page, re.M)}, f"docs/developers/promises.md: expected the exit codes {sorted(codes)}")

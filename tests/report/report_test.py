@@ -459,7 +459,7 @@ def undefined_is_a_gap(b, pages):
     shown = b.run("""
       const p = Page.panels[0], m = p.mesh, out = [0, 0, 0];
       for (let k = 0; k < m.map.triangles.length; ++k) {
-        const x = p.what.facets[m.map.facet[(k / 3) | 0]], s = p.shown.array[k];
+        const x = p.what.facets[m.map.facet[(k / 3) | 0]], s = p.object.geometry.getAttribute("shown").array[k];
         if (Number.isNaN(x)) ++out[s < -1.5 ? 0 : 1]; else ++out[2];
       }
       return out""")
