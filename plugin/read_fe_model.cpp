@@ -105,7 +105,7 @@ void read_mesh(Reading& reading) {
   }
   for (int i = 0; i < mesh.FacetSets(); ++i) {
     FEFacetSet& set = mesh.FacetSet(i);
-    Surface surface = {set.GetName(), {0}, {}, kNowhere};
+    Surface surface = {{}, set.GetName(), kNowhere};
     for (int k = 0; k < set.Faces(); ++k) {
       const FEFacetSet::FACET& face = set.Face(k);
       surface.nodes.insert(surface.nodes.end(), face.node, face.node + face.Nodes());
