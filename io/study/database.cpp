@@ -184,7 +184,8 @@ std::vector<std::string> column_names(const Database& database, const std::strin
 
 std::string insert_sql(const Database& database, const std::string& table, const char* other) {
   std::string marks = "?";
-  for (std::size_t i = 1; i < column_names(database, "SELECT * FROM " + table).size(); ++i) marks += ",?";
+  const Statement row(database, "SELECT * FROM " + table);
+  for (int i = 1; i < row.columns(); ++i) marks += ",?";
   return fmt::format("INSERT {} INTO {} VALUES ({})", other, table, marks);
 }
 

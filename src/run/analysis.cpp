@@ -100,7 +100,7 @@ void take_known_balance(const KnownBalance& known, const Joint& joint, const Loa
   sequence.memory = known.memory;
 }
 
-/// From `begin`; where that finds no solution, or none that is stable, from where the sequence starts.
+/// From `known`; where that finds no solution, or none that is stable, from where the sequence starts.
 Equilibrium solve_from(const KnownBalance& known, const Prepared& prepared, const LoadCase& load_case,
                        StateSequence& sequence) {
   const Start start = sequence.start;

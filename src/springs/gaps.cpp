@@ -32,8 +32,7 @@ void set_hit(SpringStates& s, int i, const LineHit& hit) {
   s.coverage[at(i)] = hit.point.triangle >= 0 ? 1.0 : 0.0;
 }
 
-// ---- feet over the rim
-// -----------------------------------------------------------------------------------------------
+// ---- feet over the rim ----------------------------------------------------------------------------------------------
 
 /// The part of a foot triangle that lies over the target, where its rim cuts through.
 struct Coverage {
