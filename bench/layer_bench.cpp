@@ -50,8 +50,7 @@ void rung(int n, double nu, LayerFit fit) {
   });
   const double factorisation = least_ms(repeats, [&] { make_layer_operator(target_mesh, cartilage, fit); });
   LayerContact contact;
-  contact.source = {&source.layer, &source.feet, {}};
-  contact.target = {&target.layer, &target.feet, {}};
+  contact.layers = {{&source.layer, &source.feet, {}}, {&target.layer, &target.feet, {}}};
   contact.area = source.areas();
   LayerPressure cold, warm;
   const double solution = least_ms(repeats, [&] { cold = solve_contact(contact, overlap); });

@@ -262,9 +262,9 @@ std::vector<double> rim_at_vertices(const Layer& layer) {
   if (layer.face.mesh.size() == 0) return rim;
   for (const SelectionEdge& e : selection_rim(layer.face)) {
     const double kind = e.goes_on                 ? 2.0
+                        : e.edge.shared           ? 5.0
                         : e.edge.rim == Rim::Free ? 1.0
                         : e.edge.bonded           ? 4.0
-                        : e.edge.shared           ? 5.0
                                                   : 3.0;
     for (int v : e.vertices)
       if (rim[at(v)] == 0.0 || kind < rim[at(v)]) rim[at(v)] = kind;

@@ -140,7 +140,7 @@ constexpr const char* kInsideOfParts =
 /// 1 where a state is a solution: those that are none have numbers too.
 std::string solved_column() {
   std::string outcomes;
-  for (int o = 0; o <= static_cast<int>(Outcome::NoContact); ++o)
+  for (int o = 0; o <= static_cast<int>(Outcome::PressedTwice); ++o)
     if (solved(static_cast<Outcome>(o)))
       outcomes += fmt::format("{}'{}'", outcomes.empty() ? "" : ", ", name(static_cast<Outcome>(o)));
   return fmt::format(", coalesce(s.outcome IN ({}), 0) AS solved", outcomes);

@@ -98,11 +98,13 @@ double curve_slope(const LoadController& curve, double x) {
 
 }  // namespace
 
-void BlockMatrix::add(int a, int b, const Matrix12& value) {
-  blocks.push_back({a, a, value.topLeftCorner<6, 6>()});
-  blocks.push_back({a, b, value.topRightCorner<6, 6>()});
-  blocks.push_back({b, a, value.bottomLeftCorner<6, 6>()});
-  blocks.push_back({b, b, value.bottomRightCorner<6, 6>()});
+void BlockMatrix::add(int a, int b, const Matrix12& value) { add(a, b, a, b, value); }
+
+void BlockMatrix::add(int a, int b, int c, int d, const Matrix12& value) {
+  blocks.push_back({a, c, value.topLeftCorner<6, 6>()});
+  blocks.push_back({a, d, value.topRightCorner<6, 6>()});
+  blocks.push_back({b, c, value.bottomLeftCorner<6, 6>()});
+  blocks.push_back({b, d, value.bottomRightCorner<6, 6>()});
 }
 
 Eigen::MatrixXd BlockMatrix::dense(int bodies) const {

@@ -23,6 +23,8 @@ struct BlockMatrix {
   std::vector<Block> blocks;
   /// Adds value(0..5, 0..5) at (row, row), and so on: `value` over the dofs of two bodies.
   void add(int a, int b, const Matrix12& value);
+  /// The same with rows over the dofs of bodies a, b, and columns over those of c, d.
+  void add(int a, int b, int c, int d, const Matrix12& value);
   void add(int a, const Matrix6& value) { blocks.push_back({a, a, value}); }
   Eigen::MatrixXd dense(int bodies) const;
 };

@@ -45,6 +45,26 @@ void judge_springs(Equilibrium& result) {
   }
 }
 
+/// Places of a layer that two partners press at once are counted twice.
+void judge_shared_layers(const Problem& problem, Equilibrium& result) {
+  if (!solved(result.outcome)) return;
+  const PressedTwice twice = pressed_twice(problem.joint, problem.beds, result.springs, result.poses);
+  if (!(twice.share > kMostTwice)) return;
+  std::string names;
+  for (const int c : twice.contacts)
+    names += fmt::format("{}\"{}\"",
+                         names.empty()                ? ""
+                         : c == twice.contacts.back() ? " and "
+                                                      : ", ",
+                         problem.joint.contacts[at(c)].name);
+  result.outcome = Outcome::PressedTwice;
+  result.message = fmt::format(
+      "contacts {} press {:.3g} of one layer at once, with {:.3g}, {:.0f}% of the force on it: their "
+      "partners run through each other there, and the load counts twice;",
+      names, twice.area, twice.force, 100 * twice.share);
+  result.advice = "keep the partners apart, or give each contact facets of its own";
+}
+
 /// All that is known at the poses where a search ended.
 Equilibrium to_equilibrium(const Problem& problem, Evaluation e, SearchEnd end) {
   Equilibrium result;
@@ -73,6 +93,7 @@ Equilibrium to_equilibrium(const Problem& problem, Evaluation e, SearchEnd end) 
   static_cast<PosedSprings&>(result) = std::move(e);
   result.casts = problem.casts;
   judge_springs(result);
+  judge_shared_layers(problem, result);
   return result;
 }
 

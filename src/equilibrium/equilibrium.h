@@ -30,10 +30,10 @@ struct Equilibrium : SearchEnd, PosedSprings {
 };
 
 /// Solves one load case from `start` (docs/theory.md, section 4). `step_start`: poses when the step began (for relative
-/// motions). `memory`: per contact, where searches for pressures start and where the next may start; nullptr: from
-/// nothing. The same arguments give the same bits, whoever solved what before or does at the same time. Never throws
-/// for a load that cannot be carried: that is an outcome. InputError: a ligament's force is undefined where it starts.
-/// Stopped: options.stop was set.
+/// motions). `memory`: per group of contacts (SpringBeds), where searches for pressures start and where the next may
+/// start; nullptr: from nothing. The same arguments give the same bits, whoever solved what before or does at the same
+/// time. Never throws for a load that cannot be carried: that is an outcome. InputError: a ligament's force is
+/// undefined where it starts. Stopped: options.stop was set.
 Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                               const std::vector<Pose>& start, const std::vector<Pose>& step_start,
                               const EquilibriumOptions& options = {}, std::vector<PressMemory>* memory = nullptr);

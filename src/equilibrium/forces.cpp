@@ -26,7 +26,7 @@ double rate_tolerance(double tolerance) {
 
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                      std::vector<PressMemory>& memory) {
-  memory.resize(beds.beds.size());
+  memory.resize(beds.groups.size());
   Problem problem{joint, beds, load_case, {}, {}, {}, memory, 0, kPressureTolerance, false, {}, {}, {}, nullptr};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
@@ -54,24 +54,36 @@ Motions free_motions(const Problem& problem, const SpringBed& bed) {
 
 /// Springs of the active contacts, and what they do to their bodies.
 void press_contacts(Problem& problem, Evaluation& e) {
-  for (std::size_t i = 0; i < problem.beds.beds.size(); ++i) {
-    const SpringBed& bed = problem.beds.beds[i];
-    if (!problem.load_case.contact_active[i]) {
-      e.springs.emplace_back();
-      e.contact_on_target.push_back(Vector6::Zero());
-      continue;
+  const std::vector<SpringBed>& beds = problem.beds.beds;
+  const std::vector<char>& active = problem.load_case.contact_active;
+  e.springs.resize(beds.size());
+  e.contact_on_target.assign(beds.size(), Vector6::Zero());
+  std::vector<Motions> motions;
+  for (const SpringBed& bed : beds) motions.push_back(free_motions(problem, bed));
+  const PressOptions options = {kAllMotions, problem.tolerance, rate_tolerance(problem.tolerance), problem.stop};
+  std::vector<ContactWrench> wrenches(beds.size());
+  for (std::size_t g = 0; g < problem.beds.groups.size(); ++g) {
+    const std::vector<int>& group = problem.beds.groups[g];
+    if (std::none_of(group.begin(), group.end(), [&](int c) { return active[at(c)] != 0; })) continue;
+    std::vector<PressedContact> pressed =
+        press_group(problem.beds, group, e.poses, motions, active, options, &problem.memory[g]);
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      e.springs[at(group[k])] = std::move(pressed[k].springs);
+      wrenches[at(group[k])] = std::move(pressed[k].wrench);
     }
-    PressedContact pressed = press_contact(
-        bed, e.poses, {free_motions(problem, bed), problem.tolerance, rate_tolerance(problem.tolerance), problem.stop},
-        &problem.memory[i]);
+  }
+  for (std::size_t c = 0; c < beds.size(); ++c) {
+    if (!active[c]) continue;
+    const SpringBed& bed = beds[c];
+    const ContactWrench& w = wrenches[c];
     if (bed.layers) e.tolerance = problem.tolerance;
-    const ContactWrench& w = pressed.wrench;
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
     e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();
     e.derivative.add(bed.target_body, bed.source_body, w.derivative);
-    e.contact_on_target.push_back(w.wrench.head<6>());
+    for (const ContactWrench::Cross& other : w.cross)
+      e.derivative.add(bed.target_body, bed.source_body, other.bodies.target, other.bodies.source, other.derivative);
+    e.contact_on_target[c] = w.wrench.head<6>();
     e.normal_force += w.normal_force;
-    e.springs.push_back(std::move(pressed.springs));
   }
   e.load = e.normal_force;
 }

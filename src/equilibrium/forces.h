@@ -36,7 +36,7 @@ struct Problem {
   std::vector<int> free;                  ///< dof numbers 6 * body + k
   Eigen::VectorXd scale;                  ///< per free dof: 1 for translations, length for rotations
   Eigen::VectorXd offset;                 ///< per dof: part of the load held back (continuation)
-  std::vector<PressMemory>& memory;       ///< per contact: where searches for pressures start
+  std::vector<PressMemory>& memory;       ///< per group of contacts: where searches for pressures start
   int casts = 0;                          ///< poses tried
   double tolerance = kPressureTolerance;  ///< of the layers' pressures at the next poses
   bool downhill = false;  ///< follow the load where a balance would be unstable, not Newton's step to it
@@ -47,7 +47,7 @@ struct Problem {
   const StopFlag* stop = nullptr;
   bool joined() const { return !connectors.groups.empty(); }
 };
-/// With nothing free yet; `memory` gets one entry per contact.
+/// With nothing free yet; `memory` gets one entry per group of contacts.
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                      std::vector<PressMemory>& memory);
 

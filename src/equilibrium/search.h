@@ -19,11 +19,12 @@ enum class Outcome {
   NoEquilibrium,        ///< a direction nothing resists is loaded
   NotConverged,         ///< none of the above was reached within the iterations
   BeyondStrainLimit,    ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
-  NoContact             ///< nothing loads a free body and nothing presses it: any place is a balance
+  NoContact,            ///< nothing loads a free body and nothing presses it: any place is a balance
+  PressedTwice          ///< two partners press one place of a layer at once, and it carries more than kMostTwice
 };
 inline const char* name(Outcome outcome) {
   return word_of(outcome, {"Prescribed", "Balanced", "BalancedToOneSpring", "SurfacesApart", "NoEquilibrium",
-                           "NotConverged", "BeyondStrainLimit", "NoContact"});
+                           "NotConverged", "BeyondStrainLimit", "NoContact", "PressedTwice"});
 }
 inline bool solved(Outcome outcome) {
   return outcome == Outcome::Prescribed || outcome == Outcome::Balanced || outcome == Outcome::BalancedToOneSpring;

@@ -1,23 +1,61 @@
 #include "src/equilibrium/spring_beds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <utility>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
+#include "src/springs/gaps.h"
 #include "src/springs/place.h"
-#include "src/springs/press.h"
 
 namespace dea {
+
+namespace {
+
+/// Where a contact stands among those it is pressed with: by the nodes of its surfaces.
+std::array<std::vector<int>, 2> rank(const ContactPair& pair) {
+  std::array<std::vector<int>, 2> nodes = {pair.source_layer().articular.model_nodes,
+                                           pair.target_layer().articular.model_nodes};
+  for (std::vector<int>& of : nodes) std::sort(of.begin(), of.end());
+  return nodes;
+}
+
+std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
+  DisjointSets sets(beds.size());
+  std::map<const LayerOperator*, int> first;
+  for (int b = 0; b < static_cast<int>(beds.size()); ++b) {
+    if (!beds[at(b)].layers) continue;
+    for (const BedLayer* of : {&beds[at(b)].layers->source, &beds[at(b)].layers->target})
+      if (of->layer) sets.join(first.emplace(of->layer.get(), b).first->second, b);
+  }
+  std::vector<std::vector<int>> groups;
+  for (int b = 0; b < static_cast<int>(beds.size()); ++b) {
+    const int group = sets.numbers()[at(b)];
+    if (at(group) == groups.size()) groups.emplace_back();
+    groups[at(group)].push_back(b);
+  }
+  for (std::vector<int>& group : groups)
+    if (group.size() > 1)
+      std::sort(group.begin(), group.end(),
+                [&](int a, int b) { return rank(beds[at(a)].pair) < rank(beds[at(b)].pair); });
+  return groups;
+}
+
+}  // namespace
 
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
   SpringBeds beds;
   beds.least_thickness = kInfinity;
   double area = 0.0, inertia = 0.0;
   beds.reach = 0.0;
+  SharedOperators shared;
   for (const ContactPair& pair : joint.contacts) {
     end_if_stopped(stop);
-    beds.beds.push_back(place_springs(joint, pair));
+    beds.beds.push_back(place_springs(joint, pair, shared));
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;
@@ -30,16 +68,88 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
             std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));
     }
   }
+  beds.groups = groups_of(beds.beds);
   beds.length = area > 0 ? std::sqrt(inertia / area) : 1.0;
   return beds;
 }
 
-PressedContact press_contact(const SpringBed& bed, const std::vector<Pose>& poses, const PressOptions& options,
-                             PressMemory* memory) {
-  const Pose &source = poses[at(bed.source_body)], &target = poses[at(bed.target_body)];
-  SpringStates springs = press_springs(bed, source, target, options, memory);
-  const ContactWrench wrench = contact_wrench(springs, source, target);
-  return {std::move(springs), wrench};
+std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vector<int>& group,
+                                        const std::vector<Pose>& poses, const std::vector<Motions>& motions,
+                                        const std::vector<char>& active, const PressOptions& options,
+                                        PressMemory* memory) {
+  std::vector<PosedBed> posed;
+  for (const int c : group) {
+    const SpringBed& bed = beds.beds[at(c)];
+    posed.push_back({&bed, poses[at(bed.source_body)], poses[at(bed.target_body)], motions[at(c)], active[at(c)] != 0});
+  }
+  std::vector<PressedContact> pressed;
+  for (SpringStates& springs : press_together(posed, options, memory)) {
+    const PosedBed& of = posed[pressed.size()];
+    const ContactWrench wrench = of.active ? contact_wrench(springs, of.source, of.target) : ContactWrench{};
+    pressed.push_back({std::move(springs), wrench});
+  }
+  return pressed;
+}
+
+namespace {
+
+/// Calls `add(triangle, area, force)` with what the contact presses of its side's spring surface.
+template <class Add>
+void for_pressed_triangles(const SpringBed& bed, const SpringStates& s, int side, const std::vector<Pose>& poses,
+                           const Add& add) {
+  const RelativePose relative =
+      relative_pose(poses[at(bed.source_body)], bed.source_center, poses[at(bed.target_body)], bed.target_center);
+  const SurfaceMesh& target = bed.target.mesh();
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = at(i);
+    if (!(s.pressure[k] > 0) || !(s.area[k] > 0)) continue;
+    if (side == bed.pair.source) {
+      add(bed.springs.surface_triangle[k], s.area[k], s.pressure[k] * s.area[k]);
+      continue;
+    }
+    const auto parts = parts_under_spring(bed, relative, target, s, i, s.triangle[k], target.size());
+    double covered = 0.0;
+    for (const SurfacePart& part : parts) covered += part.area;
+    for (const SurfacePart& part : parts)
+      if (covered > 0)
+        add(part.triangle, part.share * target.areas[at(part.triangle)],
+            s.pressure[k] * s.area[k] * part.area / covered);
+  }
+}
+
+}  // namespace
+
+PressedTwice pressed_twice(const Joint& joint, const SpringBeds& beds, const std::vector<SpringStates>& springs,
+                           const std::vector<Pose>& poses) {
+  PressedTwice worst;
+  for (const SharedLayer& layer : joint.shared_layers) {
+    std::vector<double> area(at(layer.pressed), 0.0), force(area);
+    std::vector<std::vector<int>> contacts(area.size());
+    double all = 0.0;
+    for (const LayerUse& use : layer.uses)
+      for_pressed_triangles(beds.beds[at(use.contact)], springs[at(use.contact)], use.side, poses,
+                            [&](int triangle, double a, double f) {
+                              const auto t = at(use.triangle[at(triangle)]);
+                              area[t] += a;
+                              force[t] += f;
+                              all += f;
+                              if (contacts[t].empty() || contacts[t].back() != use.contact)
+                                contacts[t].push_back(use.contact);
+                            });
+    PressedTwice here;
+    std::set<int> by;
+    for (std::size_t t = 0; t < area.size(); ++t) {
+      const double twice = area[t] - layer.area[t];
+      if (contacts[t].size() < 2 || !(twice > 1e-6 * layer.area[t])) continue;
+      here.area += twice;
+      here.force += force[t] * std::min(1.0, 2 * twice / area[t]);
+      by.insert(contacts[t].begin(), contacts[t].end());
+    }
+    here.share = all > 0 ? here.force / all : 0.0;
+    here.contacts.assign(by.begin(), by.end());
+    if (here.share > worst.share) worst = std::move(here);
+  }
+  return worst;
 }
 
 }  // namespace dea

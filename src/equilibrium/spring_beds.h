@@ -3,14 +3,17 @@
 #include <vector>
 
 #include "src/joint/joint.h"
-#include "src/springs/springs.h"
+#include "src/springs/press.h"
 #include "src/springs/wrench.h"
 
 namespace dea {
 
 /// The beds of all contacts of a joint, and lengths that scale its unknowns.
 struct SpringBeds {
-  std::vector<SpringBed> beds;   ///< one per contact
+  std::vector<SpringBed> beds;  ///< one per contact
+  /// Contacts that are pressed together, for they share layers (Law::Layer); each contact in one. In an order that does
+  /// not depend on that of the contacts.
+  std::vector<std::vector<int>> groups;
   double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
@@ -33,8 +36,26 @@ struct PressedContact {
   SpringStates springs;
   ContactWrench wrench;
 };
-/// `poses`: one per body of the joint. `memory`: as in press_springs.
-PressedContact press_contact(const SpringBed& bed, const std::vector<Pose>& poses, const PressOptions& options = {},
-                             PressMemory* memory = nullptr);
+/// All contacts of a group. `poses`: one per body of the joint. `motions`, `active`: per contact of the joint.
+/// `options.motions` is not read. `memory`: as in press_springs. One result per contact of the group; empty states
+/// where the contact is not active.
+std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vector<int>& group,
+                                        const std::vector<Pose>& poses, const std::vector<Motions>& motions,
+                                        const std::vector<char>& active, const PressOptions& options = {},
+                                        PressMemory* memory = nullptr);
+
+/// Where several contacts press one place of a shared layer at once: their partners run through each other there.
+struct PressedTwice {
+  double force = 0.0;  ///< of all of them there, sum of p A
+  double area = 0.0;
+  double share = 0.0;         ///< of the force on the layer
+  std::vector<int> contacts;  ///< that press there, ascending
+};
+/// The layer with the greatest share. A place is counted by its triangles: as much of each as the parts that the
+/// contacts press are larger together than the triangle. `springs`: per contact; empty: it does not act.
+PressedTwice pressed_twice(const Joint& joint, const SpringBeds& beds, const std::vector<SpringStates>& springs,
+                           const std::vector<Pose>& poses);
+/// A state with more than this share is no solution: loads are counted twice.
+inline constexpr double kMostTwice = 0.01;
 
 }  // namespace dea

@@ -63,6 +63,7 @@ bool cut_out(const std::array<Vector3d, 3>& foot, const Vector3d& n, const Surfa
   part.triangle = t;
   part.corners = corners;
   part.corner = corner;
+  part.share = share;
   part.area = -0.5 * share * twice;
   return true;
 }
@@ -70,7 +71,8 @@ bool cut_out(const std::array<Vector3d, 3>& foot, const Vector3d& n, const Surfa
 }  // namespace
 
 std::vector<SurfacePart> parts_under_foot(const std::array<Vector3d, 3>& foot, double area, const Vector3d& n,
-                                          const SurfaceMesh& surface, int first, int end) {
+                                          const SurfaceMesh& surface, int first, int end,
+                                          const std::vector<char>& own) {
   std::vector<SurfacePart> parts;
   std::vector<int> reached = {first};
   parts.reserve(16);
@@ -82,7 +84,8 @@ std::vector<SurfacePart> parts_under_foot(const std::array<Vector3d, 3>& foot, d
     part.area *= scale;
     if (part.area > 0) parts.push_back(part);
     for (const int beside : surface.neighbours[at(part.triangle)])
-      if (beside >= 0 && beside < end && std::find(reached.begin(), reached.end(), beside) == reached.end())
+      if (beside >= 0 && beside < end && (own.empty() || own[at(beside)]) &&
+          std::find(reached.begin(), reached.end(), beside) == reached.end())
         reached.push_back(beside);
   }
   return parts;

@@ -1,9 +1,7 @@
 #include "src/joint/contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "src/base/error.h"
@@ -20,59 +18,6 @@ namespace {
 
 /// About 10 GB of springs: more is a slip of the keyboard.
 constexpr double kMostSprings = 2e7;
-
-// ---- cartilage that two contacts press -----------------------------------------------------------------------------
-
-/// The triangles that two surfaces share.
-int shared_triangles(const SurfaceMesh& a, const SurfaceMesh& b) {
-  const auto nodes = [](const SurfaceMesh& mesh, int t) {
-    std::array<int, 3> n;
-    for (std::size_t k = 0; k < 3; ++k) n[k] = mesh.model_nodes[at(mesh.triangles[at(t)][k])];
-    std::sort(n.begin(), n.end());
-    return n;
-  };
-  std::set<std::array<int, 3>> of_a;
-  for (int t = 0; t < a.size(); ++t) of_a.insert(nodes(a, t));
-  int shared = 0;
-  for (int t = 0; t < b.size(); ++t) shared += static_cast<int>(of_a.count(nodes(b, t)));
-  return shared;
-}
-
-bool share_nodes(const SurfaceMesh& a, const SurfaceMesh& b) {
-  const std::set<int> nodes(a.model_nodes.begin(), a.model_nodes.end());
-  return std::any_of(b.model_nodes.begin(), b.model_nodes.end(), [&](int node) { return nodes.count(node) > 0; });
-}
-
-/// Contacts of different names that press facets of the same cartilage: told in `findings`. InputError: the same
-/// facets twice, between the same bodies.
-void check_shared_layers(const JointModel& model, const std::vector<ContactPair>& others, const ContactPair& pair,
-                         Findings& findings) {
-  for (const ContactPair& other : others) {
-    if (!at_same_time(pair.step, other.step)) continue;
-    for (int side = 0; side < 2; ++side)
-      for (int other_side = 0; other_side < 2; ++other_side) {
-        const Layer &a = pair.layers[side], &b = other.layers[other_side];
-        if (a.rigid || b.rigid || a.body != b.body || !share_nodes(a.articular, b.articular)) continue;
-        const std::string &one = model.surfaces[at(b.surface)].name, &two = model.surfaces[at(a.surface)].name;
-        const bool same_partner = pair.layers[1 - side].body == other.layers[1 - other_side].body;
-        const int twice = same_partner ? shared_triangles(a.articular, b.articular) : 0;
-        if (twice > 0)
-          throw fault_at(
-              model, pair.origin,
-              say("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" and \"{}\"), "
-                  "which would count twice:",
-                  other.name, pair.name, (twice + 1) / 2, one, two),
-              say("divide \"{}\" into surfaces that share no facet, one for each contact; or make one contact of both, "
-                  "with both partners in one surface; or keep one contact with {}",
-                  one, NamedSetting{"contact", "", other.name}));
-        if (pair.law != Law::Layer && other.law != Law::Layer) continue;  // springs know nothing of their neighbours
-        findings.push_back({"contacts-side-by-side",
-                            {.contact = pair.name, .surface = two},
-                            {{"other", other.name}, {"other_surface", one}},
-                            same_partner ? 0 : 1});
-      }
-  }
-}
 
 /// The same surfaces at the same time as a contact before.
 void refuse_doubled(const JointModel& model, const std::vector<ContactPair>& others, const Contact& c) {
@@ -217,7 +162,6 @@ void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found
   find_selected_faces(parts, pair);
   for (const Layer& layer : pair.layers) add_once(found.findings, layer_findings(parts, layer));
   pair.source = source_of(parts, pair);
-  check_shared_layers(model, found.contacts, pair, found.findings);
   found.contacts.push_back(std::move(pair));
 }
 

@@ -54,44 +54,6 @@ bool as_thick_as(const std::vector<double>& said, const SurfaceMesh& articular, 
   return same > 9 * others;
 }
 
-/// A side of another contact whose surface shares nodes with one.
-struct BesideSide {
-  const Contact* contact;
-  int side, surface;
-};
-
-/// Of the contacts that are solved too and act at the same time.
-std::vector<BesideSide> sides_beside(const ContactSide& in) {
-  const JointModel& model = in.parts.model;
-  const std::string& chosen = in.parts.settings.contact;
-  std::vector<BesideSide> beside;
-  std::set<int> own;  // nodes; filled where there is another contact at all
-  for (const Contact& other : model.contacts) {
-    if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 ||
-        !at_same_time(other.step, in.contact.step) || (!chosen.empty() && other.name != chosen) ||
-        (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
-      continue;
-    if (own.empty()) own.insert(in.surface.nodes.begin(), in.surface.nodes.end());
-    for (int side = 0; side < 2; ++side) {
-      const int index = side == 0 ? other.primary : other.secondary;
-      const std::vector<int>& nodes = model.surfaces[at(index)].nodes;
-      if (index != in.index && std::any_of(nodes.begin(), nodes.end(), [&](int node) { return own.count(node) > 0; }))
-        beside.push_back({&other, side, index});
-    }
-  }
-  return beside;
-}
-
-/// The body that a side of a contact moves with; -1: it cannot be told.
-int body_of_side(const ModelParts& parts, const Contact& contact, int side) {
-  const ContactSide in = contact_side(parts, contact, side);
-  try {
-    return find_attachment(in, find_support(in, carried_surface(parts, in.index))).body;
-  } catch (const InputError&) {
-    return -1;
-  }
-}
-
 }  // namespace
 
 std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>& map, const SurfaceMesh& mesh) {
@@ -133,22 +95,28 @@ LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carrie
   return as_thick_as(said, articular, bone) ? boundary : LayerBoundary{};
 }
 
-FacetList pressed_elsewhere(const ContactSide& in, int body) {
-  FacetList list;
-  for (const BesideSide& beside : sides_beside(in)) {
-    const int partner = body_of_side(in.parts, in.contact, 1 - in.side);
-    if (partner < 0) return {};
-    if (body_of_side(in.parts, *beside.contact, beside.side) != body ||
-        body_of_side(in.parts, *beside.contact, 1 - beside.side) != partner)
+bool is_pressed_by_others(const ContactSide& in, const Layer& layer) {
+  const JointModel& model = in.parts.model;
+  const std::string& chosen = in.parts.settings.contact;
+  const std::vector<int>& nodes = layer.region_nodes.empty() ? layer.articular.model_nodes : layer.region_nodes;
+  std::set<int> own;  // filled where there is another contact at all
+  for (const Contact& other : model.contacts) {
+    if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 ||
+        !at_same_time(other.step, in.contact.step) || (!chosen.empty() && other.name != chosen) ||
+        (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
       continue;
-    const FacetList facets = carried_surface(in.parts, beside.surface).facets;
-    for (int f = 0; f < facets.size(); ++f) list.add(facets.facet(f));
+    if (own.empty()) own.insert(nodes.begin(), nodes.end());
+    for (const int index : {other.primary, other.secondary}) {
+      const std::vector<int>& of = model.surfaces[at(index)].nodes;
+      if (index != in.index && std::any_of(of.begin(), of.end(), [&](int node) { return own.count(node) > 0; }))
+        return true;
+    }
   }
-  return list;
+  return false;
 }
 
 void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface& carried, const LayerBoundary& boundary,
-                     const FacetList& elsewhere, Layer& layer) {
+                     Layer& layer) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
@@ -159,8 +127,8 @@ void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface&
         measure_thickness(layer.articular, bonded_surface(model, boundary, in.in_plane)).thickness;
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
-  layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
-                         kFaceReach * deepest, parts.holders.held_components, in.in_plane, elsewhere);
+  layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular, deepest,
+                         is_pressed_by_others(in, layer), parts.holders.held_components, in.in_plane);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   layer.face.thickness = layer.thickness;

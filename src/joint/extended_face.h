@@ -19,13 +19,13 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
 LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carried, const Layer& layer,
                              const std::vector<double>& map);
 
-/// The facets beside those of a contact's layer that other contacts of the same two bodies press at the same time.
-/// `body`: the layer's.
-FacetList pressed_elsewhere(const ContactSide& in, int body);
+/// Do other contacts that act at the same time press the layer, with surfaces of their own? Then its face is followed
+/// to its end.
+bool is_pressed_by_others(const ContactSide& in, const Layer& layer);
 
-/// Fills the face of a layer with elements; it ends at the facets that are pressed `elsewhere`. Gaps and thickness of
-/// the selection stay its own: at its rim they know the facets on one side only.
+/// Fills the face of a layer with elements. Gaps and thickness of the selection stay its own: at its rim they know the
+/// facets on one side only.
 void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface& carried, const LayerBoundary& boundary,
-                     const FacetList& elsewhere, Layer& layer);
+                     Layer& layer);
 
 }  // namespace dea

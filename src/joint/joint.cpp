@@ -356,6 +356,14 @@ int Joint::body_of(int material) const {
   return -1;
 }
 
+LayerPlace place_in_shared_layer(const Joint& joint, const ContactPair& pair, int side) {
+  for (std::size_t k = 0; k < joint.shared_layers.size(); ++k)
+    for (const LayerUse& use : joint.shared_layers[k].uses)
+      if (use.side == side && joint.contacts[at(use.contact)].contact == pair.contact)
+        return {static_cast<int>(k), &use};
+  return {};
+}
+
 Fault no_sliding_contact(const JointModel& model) {
   std::string list;  // contacts that do not slide, and walls
   Origin first;
@@ -444,6 +452,12 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
     return found;
   }
   joint.contacts = std::move(contacts.contacts);
+  try {
+    joint.shared_layers = find_shared_layers(parts, joint.contacts, joint.findings);
+  } catch (const InputError& error) {
+    found.faults = {error.fault};
+    return found;
+  }
 
   joint.node_body = find_carriers(parts, joint.contacts);
   joint.conditions = find_conditions(model, parts.bodies, joint.node_body);

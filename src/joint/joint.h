@@ -10,6 +10,7 @@
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"
+#include "src/joint/shared_layers.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
 
@@ -18,8 +19,9 @@ namespace dea {
 struct Joint : Connections {
   std::vector<Body> bodies;
   std::vector<ContactPair> contacts;
-  std::vector<int> node_body;  ///< per model node: body that carries it, -1: none (stays where it is)
-  Conditions conditions;       ///< of the model, without what the settings say of them
+  std::vector<SharedLayer> shared_layers;  ///< that more than one of them press
+  std::vector<int> node_body;              ///< per model node: body that carries it, -1: none (stays where it is)
+  Conditions conditions;                   ///< of the model, without what the settings say of them
   std::vector<SymmetryPlane> symmetry_planes;
   Findings findings;  ///< what was concluded, left out or is taken otherwise than in FEBio, in order
 
@@ -28,6 +30,13 @@ struct Joint : Connections {
   /// Index of the body that a rigid material became, -1: none.
   int body_of(int material) const;
 };
+
+/// Where a side of a contact is among a joint's shared layers.
+struct LayerPlace {
+  int layer = -1;  ///< index into Joint::shared_layers; -1: no other contact presses its layer
+  const LayerUse* use = nullptr;
+};
+LayerPlace place_in_shared_layer(const Joint& joint, const ContactPair& pair, int side);
 
 struct JointFound {
   Joint joint;

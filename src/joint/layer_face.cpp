@@ -330,21 +330,15 @@ struct Meeting {
   std::vector<std::vector<int>> facets;
   std::vector<FaceKind> kinds;
   std::vector<char> in_face;                  // per facet: selected, or what the face goes on to
-  std::vector<char> in_other;                 // per facet: another contact of the same bodies presses it
   std::vector<std::array<Across, 4>> across;  // per facet and edge
 };
 
-Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                       const FacetList& elsewhere) {
+Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected) {
   Meeting m;
   m.facets = all_facets(boundary.faces);
   m.kinds = boundary.kinds;
   const auto index = index_of(boundary.faces);
   m.in_face.assign(m.facets.size(), 0);
-  m.in_other = m.in_face;
-  for (int f = 0; f < elsewhere.size(); ++f)
-    if (const auto found = index.find(face_key(elsewhere.facet(f))); found != index.end())
-      m.in_other[at(found->second)] = 1;
   for (int f = 0; f < selected.size(); ++f) {
     const std::vector<int> facet = selected.facet(f);
     if (facet.empty()) continue;
@@ -357,7 +351,6 @@ Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, c
     m.facets.push_back(facet);
     m.kinds.push_back(FaceKind::Open);
     m.in_face.push_back(1);
-    m.in_other.push_back(0);
   }
   const std::vector<FacetEdge> edges = facet_edges(m.facets);
   m.across.resize(m.facets.size());
@@ -398,10 +391,10 @@ std::vector<int> grow(const JointModel& model, const SurfaceMesh& articular, dou
     open_ends.pop_back();
     for (const Across& next : m.across[at(f)]) {
       if (next.facet < 0 || !next.smooth || m.in_face[at(next.facet)] || far[at(next.facet)] ||
-          m.in_other[at(next.facet)] || m.kinds[at(next.facet)] != FaceKind::Open)
+          m.kinds[at(next.facet)] != FaceKind::Open)
         continue;
-      const FacetShape shape = shape_of(model, m.facets[at(next.facet)]);
-      if ((position(articular, caster.closest(shape.center)) - shape.center).norm() > reach) {
+      const Vector3d center = shape_of(model, m.facets[at(next.facet)]).center;
+      if (std::isfinite(reach) && (position(articular, caster.closest(center)) - center).norm() > reach) {
         far[at(next.facet)] = 1;
         continue;
       }
@@ -470,9 +463,6 @@ BeyondEdges beyond_edges(const JointModel& model, const Meeting& m, double highe
       } else if (kind == FaceKind::Bonded) {
         found.rim = Rim::Wall;
         found.bonded = true;
-      } else if (m.in_other[at(next.facet)]) {
-        found.rim = Rim::Wall;
-        found.shared = true;
       } else if (kind == FaceKind::Open) {
         found.rim = Rim::Continues;
       }
@@ -506,12 +496,12 @@ std::vector<LayerFace::Edge> rim_edges(const SurfaceMesh& mesh, const BeyondEdge
 }  // namespace
 
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
-                    const std::vector<unsigned char>& node_planes, const FacetList& elsewhere) {
-  Meeting meeting = meeting_facets(model, boundary, selected, elsewhere);
+                    const SurfaceMesh& articular, double deepest, bool whole, const std::vector<unsigned char>& mirror,
+                    const std::vector<unsigned char>& node_planes) {
+  Meeting meeting = meeting_facets(model, boundary, selected);
   LayerFace face;
   face.bevelled = bevelled_length(model, meeting);
-  const std::vector<int> grown = grow(model, articular, reach, meeting);
+  const std::vector<int> grown = grow(model, articular, whole ? kInfinity : kFaceReach * deepest, meeting);
   face.pressed = articular.size();
   if (grown.empty()) {
     face.mesh = articular;
@@ -520,7 +510,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
     for (int f : grown) list.add(meeting.facets[at(f)]);
     face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes, nullptr, node_planes);
   }
-  face.edges = rim_edges(face.mesh, beyond_edges(model, meeting, reach / kFaceReach), mirror);
+  face.edges = rim_edges(face.mesh, beyond_edges(model, meeting, deepest), mirror);
   return face;
 }
 
@@ -549,7 +539,10 @@ std::vector<SelectionEdge> selection_rim(const LayerFace& face) {
         while (edge != face.edges.end() && std::tie(edge->triangle, edge->edge) < std::tie(t, k)) ++edge;
         if (edge == face.edges.end() || edge->triangle != t || edge->edge != k) continue;
         found.edge = *edge;
-        found.goes_on = edge->rim == Rim::Continues;
+        found.goes_on = edge->rim == Rim::Continues && !edge->shared;
+      } else if (!face.pressed_by_others.empty() && face.pressed_by_others[at(next)]) {
+        found.goes_on = false;
+        found.edge.shared = true;
       }
       rim.push_back(found);
     }
@@ -562,12 +555,12 @@ RimLengths rim_lengths(const LayerFace& face) {
     const double length = (face.mesh.vertices[at(e.vertices[0])] - face.mesh.vertices[at(e.vertices[1])]).norm();
     if (e.goes_on)
       lengths.goes_on += length;
+    else if (e.edge.shared)
+      lengths.shared += length;
     else if (e.edge.rim == Rim::Free)
       lengths.free += length;
     else if (e.edge.bonded)
       lengths.bonded += length;
-    else if (e.edge.shared)
-      lengths.shared += length;
     else
       lengths.symmetry += length;
   }

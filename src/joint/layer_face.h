@@ -32,14 +32,15 @@ struct LayerFace {
     int triangle = -1, edge = -1;  ///< from corner `edge` of the triangle to the next
     Rim rim = Rim::Free;
     bool bonded = false;  ///< a wall for the layer goes on there, but bonded to bone: nothing flows under it
-    bool shared = false;  ///< a wall for another contact of the same bodies presses beyond: taken as pressing alike
+    bool shared = false;  ///< the layer goes on beyond, and another contact presses it there (shared_layers.h)
     double step = 0.0;    ///< Free: height of a step in the layer [mm], beyond which its face goes on alike; 0: none
   };
   SurfaceMesh mesh;
-  int pressed = 0;                ///< triangles of Layer::articular: the first ones
-  std::vector<double> thickness;  ///< per vertex of `mesh`, >= 0
-  std::vector<Edge> edges;        ///< of one triangle alone, sorted by triangle and edge
-  double bevelled = 0.0;          ///< length of the selection's rim where the next face turns by 20 to 65 degrees
+  int pressed = 0;                      ///< triangles of Layer::articular: the first ones
+  std::vector<char> pressed_by_others;  ///< per triangle: other contacts press it (shared_layers.h); empty: none
+  std::vector<double> thickness;        ///< per vertex of `mesh`, >= 0
+  std::vector<Edge> edges;              ///< of one triangle alone, sorted by triangle and edge
+  double bevelled = 0.0;                ///< length of the selection's rim where the next face turns by 20 to 65 degrees
 };
 
 /// What a face of the layer's elements is.
@@ -96,13 +97,12 @@ std::string mostly_left_out(const JointModel& model, const FacetList& facets, co
 inline constexpr double kFaceReach = 5.0;
 
 /// The face of a layer whose selected facets make up the mesh `articular` (cut from `selected`): goes on over open
-/// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection, but not over
-/// `elsewhere`, the facets that other contacts of the same two bodies press: a wall stands between. `mirror`: per node
-/// of the model, bit k set: held in component k alone. `node_planes`: as make_surface_mesh has it. Thickness: left
-/// empty.
+/// faces across edges that turn by less than 40 degrees, kFaceReach times `deepest`, the greatest thickness, from the
+/// selection; `whole`: to its end. `mirror`: per node of the model, bit k set: held in component k alone.
+/// `node_planes`: as make_surface_mesh has it. Thickness: left empty.
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
-                    const std::vector<unsigned char>& node_planes, const FacetList& elsewhere = {});
+                    const SurfaceMesh& articular, double deepest, bool whole, const std::vector<unsigned char>& mirror,
+                    const std::vector<unsigned char>& node_planes);
 
 /// The face of a layer of which no elements are known: it ends where the selection does.
 LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned char>& mirror);
@@ -117,7 +117,7 @@ RimLengths rim_lengths(const LayerFace& face);
 /// Of the selection's rim: what is beyond each edge. `goes_on`: a triangle of the face, or Rim::Continues.
 struct SelectionEdge {
   int vertices[2];
-  bool goes_on = false;
+  bool goes_on = false;  ///< without another contact that presses it
   LayerFace::Edge edge;
 };
 std::vector<SelectionEdge> selection_rim(const LayerFace& face);

@@ -75,7 +75,7 @@ Findings held_in_no_plane(const ModelParts& parts, const Layer& layer, const std
     for (const HalfHeldPlane& plane : half_held)
       if (plane.axis == k) told.push_back(plane.at);
     for (const LayerFace::Edge& e : layer.face.edges)
-      if (e.rim == Rim::Wall && !e.shared && std::abs(outward_at(layer.face.mesh, e.triangle, e.edge)[k]) > kIntoPlane)
+      if (e.rim == Rim::Wall && std::abs(outward_at(layer.face.mesh, e.triangle, e.edge)[k]) > kIntoPlane)
         told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
     std::vector<int> held;
     for (const int node : layer.region_nodes) {
@@ -226,7 +226,7 @@ int walls_alone(const LayerFace& face) {
   const SurfaceMesh& mesh = face.mesh;
   int count = 0;
   for (const LayerFace::Edge& e : face.edges) {
-    if (e.rim != Rim::Wall || e.shared) continue;
+    if (e.rim != Rim::Wall) continue;
     const auto& tri = mesh.triangles[at(e.triangle)];
     count +=
         mesh.planes.empty() || (mesh.planes[at(tri[at(e.edge)])] & mesh.planes[at(tri[at((e.edge + 1) % 3)])]) == 0;

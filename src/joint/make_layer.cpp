@@ -509,7 +509,7 @@ void finish_layer(const ContactSide& in, const CarriedSurface& carried, bool on_
   scale_thickness(in, layer);
   refuse_too_thick(in, layer);
   if (!layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
-    find_layer_face(in, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
+    find_layer_face(in, facets, carried, draft.boundary, layer);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "src/results/inside_fields.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -15,16 +16,17 @@
 
 namespace dea {
 
-std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points) {
+std::vector<InsidePlace> inside_places(const Layer& layer, const LayerFace& of, const LayerMesh& mesh,
+                                       const std::vector<Vector3d>& points) {
   constexpr double kFar = 1.5;  // of the thickness: bone and face together are further than through the layer
-  const RayCaster face(layer.face.mesh), bone(layer.bone);
+  const RayCaster face(of.mesh), bone(layer.bone);
   const bool no_bone = layer.bone.vertices == layer.articular.vertices;
   std::vector<InsidePlace> places(points.size());
   parallel_for(points.size(), [&](std::size_t i) {
     const Vector3d& x = points[i];
     const SurfacePoint above = face.closest(x);
-    const Vector3d foot = position(layer.face.mesh, above);
-    const double to_face = (foot - x).norm(), thickness = interpolate(layer.face.mesh, layer.face.thickness, above);
+    const Vector3d foot = position(of.mesh, above);
+    const double to_face = (foot - x).norm(), thickness = interpolate(of.mesh, of.thickness, above);
     if (no_bone) {
       if (thickness > 0 && to_face <= kFar * thickness)
         places[i] = inside_place(mesh, above.triangle, above.weights, std::max(0.0, 1 - to_face / thickness));
@@ -63,42 +65,65 @@ InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<
 
 namespace {
 
-InsideMap make_inside_map(const SpringBed& bed) {
-  InsideMap map;
-  map.layers = bed.layers;
-  if (!map.layers) return map;
-  for (const int side : {0, 1}) {
-    const std::optional<LayerOperator>& layer = side == bed.pair.source ? map.layers->source : map.layers->target;
-    if (!layer || layer->law.terms < 2) continue;
-    map.sides[side] = {&*layer, inside_shape(*layer), make_depth_laws(layer->elasticity.nu)};
-  }
-  return map;
+const BedLayer& bed_layer(const SpringBed& bed, int side) {
+  return side == bed.pair.source ? bed.layers->source : bed.layers->target;
 }
 
-/// Both layers of a contact under its pressures, of the bed at its poses; empty as InsideMap::Side::layer. Frame of
-/// each: the layer's reference configuration. `map` must outlive the result. States without springs (a contact that is
-/// not active) have no pressure anywhere.
-std::array<std::optional<InsideLayer>, 2> look_inside(const InsideMap& map, const SpringBed& bed,
-                                                      const SpringStates& states, const Pose& source_pose,
-                                                      const Pose& target_pose) {
-  std::array<std::optional<InsideLayer>, 2> contact;
-  SpringStates pressed = states;  // of the others nobody asks what they would press
-  for (int i = 0; i < pressed.size(); ++i)
-    if (!(pressed.pressure[at(i)] > 0)) pressed.triangle[at(i)] = -1;
-  const Eigen::VectorXd pressure = Eigen::Map<const Eigen::VectorXd>(states.pressure.data(), states.size());
-  const auto look = [&](int side) {
-    const InsideMap::Side& of = map.sides[side];
-    if (of.layer == nullptr) return;
+/// Fills `layers` and `layer_of`.
+void find_layers(const std::vector<SpringBed>& beds, InsideMaps& maps) {
+  for (std::size_t c = 0; c < beds.size(); ++c) {
+    maps.layer_of.push_back({-1, -1});
+    for (const int side : {0, 1}) {
+      if (!beds[c].layers) continue;
+      const std::shared_ptr<const LayerOperator>& layer = bed_layer(beds[c], side).layer;
+      if (!layer || layer->law.terms < 2) continue;
+      const auto known = std::find_if(maps.layers.begin(), maps.layers.end(),
+                                      [&](const InsideMap& map) { return map.layer == layer; });
+      maps.layer_of[c][at(side)] = static_cast<int>(known - maps.layers.begin());
+      if (known == maps.layers.end())
+        maps.layers.push_back({layer, inside_shape(*layer), make_depth_laws(layer->elasticity.nu), {}});
+      maps.layers[at(maps.layer_of[c][at(side)])].uses.push_back({static_cast<int>(c), side});
+    }
+  }
+}
+
+/// A layer under the pressures of all contacts that press it, and where each of them does.
+struct LookedInto {
+  InsideLayer inside;
+  std::vector<std::vector<char>> pressed;  ///< per use and vertex; empty: one use, whose all pressure is
+};
+
+/// `map` must outlive the result. Frame: the layer's reference configuration. Contacts that are not active press
+/// nothing.
+LookedInto look_inside(const InsideMap& map, const std::vector<SpringBed>& beds, const Equilibrium& e) {
+  LayerFeet all;
+  std::vector<double> pressure;
+  LookedInto result;
+  for (const auto& [contact, side] : map.uses) {
+    const SpringBed& bed = beds[at(contact)];
+    const SpringStates& states = e.springs[at(contact)];
+    if (map.uses.size() > 1) result.pressed.emplace_back(at(map.layer->mesh.nodes()), 0);
+    if (states.size() == 0) continue;
     LayerFeet feet;
-    if (states.size() > 0)
-      feet = side == bed.pair.source
-                 ? feet_on_source(*map.layers, Eigen::Map<const Eigen::VectorXd>(states.area.data(), states.size()))
-                 : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
-                                  *std::max_element(states.overlap.begin(), states.overlap.end()));
-    contact[at(side)] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
-  };
-  parallel_for(2, look);
-  return contact;
+    if (side == bed.pair.source) {
+      feet = feet_on_source(*bed.layers, Eigen::Map<const Eigen::VectorXd>(states.area.data(), states.size()));
+    } else {
+      SpringStates pressed = states;  // of the others nobody asks what they would press
+      for (int i = 0; i < pressed.size(); ++i)
+        if (!(pressed.pressure[at(i)] > 0)) pressed.triangle[at(i)] = -1;
+      feet = feet_on_target(bed, pressed, e.poses[at(bed.source_body)], e.poses[at(bed.target_body)],
+                            *std::max_element(states.overlap.begin(), states.overlap.end()));
+    }
+    for (int i = 0; i < feet.size() && !result.pressed.empty(); ++i)
+      for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
+        if (states.pressure[at(i)] > 0) result.pressed.back()[at(feet.node[at(k)])] = 1;
+    append(all, feet);
+    pressure.insert(pressure.end(), states.pressure.begin(), states.pressure.end());
+  }
+  result.inside =
+      look_inside(*map.layer, map.shape, map.laws, all,
+                  Eigen::Map<const Eigen::VectorXd>(pressure.data(), static_cast<Eigen::Index>(pressure.size())));
+  return result;
 }
 
 /// At each place; NaN throughout where a place has no triangle.
@@ -164,7 +189,7 @@ void count_rows(const JointModel& model, const SolidElements& solid, const Layer
 }
 
 InsideElements place_elements(const JointModel& model, const InsideMaps& maps, const SolidElements& solid,
-                              const Layer& layer, const LayerMesh& mesh) {
+                              const Layer& layer, const LayerFace& face, const LayerMesh& mesh) {
   InsideElements of;
   const std::vector<int> elements = elements_of(model, maps, layer);
   std::vector<Vector3d> centroids;
@@ -176,7 +201,7 @@ InsideElements place_elements(const JointModel& model, const InsideMaps& maps, c
   }
   for (const std::string& name : names) of.parts += (of.parts.empty() ? "" : ", ") + name;
   of.all = static_cast<int>(elements.size());
-  const std::vector<InsidePlace> places = inside_places(layer, mesh, centroids);
+  const std::vector<InsidePlace> places = inside_places(layer, face, mesh, centroids);
   of.lowest = 1;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i].triangle < 0) continue;
@@ -202,7 +227,8 @@ void leave_to_the_nearest(const SolidElements& solid, InsideMaps& maps) {
   constexpr double kAlike = 0.05;
   const auto beside = [&](std::size_t c, int side, std::size_t i) {
     const InsideElements& of = maps.placed[c][at(side)];
-    return distance_beside(maps.contacts[c].sides[side].layer->mesh, of.places[i], solid.centroid[at(of.element[i])]);
+    return distance_beside(maps.layers[at(maps.layer_of[c][at(side)])].layer->mesh, of.places[i],
+                           solid.centroid[at(of.element[i])]);
   };
   std::vector<double> least(at(maps.elements), kInfinity);
   for (std::size_t c = 0; c < maps.placed.size(); ++c)
@@ -234,27 +260,42 @@ std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height
   return measured;
 }
 
+/// The triangles of the layer's mesh that make up triangle `t` of a contact's surface: so many from this one on.
+std::array<int, 2> mesh_triangles(const BedLayer& bed, int t) {
+  const int parts = bed.layer->mesh.divide * bed.layer->mesh.divide;
+  return {(bed.triangle.empty() ? t : bed.triangle[at(t)]) * parts, parts};
+}
+
 /// Means over the facets of what is linear in each triangle of the layer's mesh.
-std::vector<double> facet_means(const Layer& layer, const LayerMesh& mesh, const std::vector<InsideMeasures>& measured,
+std::vector<double> facet_means(const Layer& layer, const BedLayer& bed, const std::vector<InsideMeasures>& measured,
                                 double InsideMeasures::*measure) {
+  const LayerMesh& mesh = bed.layer->mesh;
   std::vector<double> sum(at(layer.articular.facets), 0.0), area(sum.size(), 0.0);
-  for (int t = 0; t < mesh.pressed; ++t) {
-    double mean = 0.0;
-    for (int v : mesh.mesh.triangles[at(t)]) mean += measured[at(v)].*measure / 3;
-    const auto facet = at(layer.articular.facet[at(t / (mesh.divide * mesh.divide))]);
-    sum[facet] += mesh.mesh.areas[at(t)] * mean;
-    area[facet] += mesh.mesh.areas[at(t)];
+  for (int t = 0; t < layer.articular.size(); ++t) {
+    const auto facet = at(layer.articular.facet[at(t)]);
+    const auto [first, parts] = mesh_triangles(bed, t);
+    for (int part = first; part < first + parts; ++part) {
+      double mean = 0.0;
+      for (int v : mesh.mesh.triangles[at(part)]) mean += measured[at(v)].*measure / 3;
+      sum[facet] += mesh.mesh.areas[at(part)] * mean;
+      area[facet] += mesh.mesh.areas[at(part)];
+    }
   }
   for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
   return sum;
 }
 
-/// Per vertex of the layer's mesh: whether it belongs to compartment `c`.
-std::vector<char> vertices_of_compartment(const Layer& layer, const LayerMesh& mesh, int c) {
+/// Per vertex of the layer's mesh: whether it belongs to compartment `c`, and, unless it is empty, to `pressed`.
+std::vector<char> vertices_of_compartment(const Layer& layer, const BedLayer& bed, int c,
+                                          const std::vector<char>& pressed) {
+  const LayerMesh& mesh = bed.layer->mesh;
   std::vector<char> among(at(mesh.nodes()), 0);
-  for (int t = 0; t < mesh.pressed; ++t)
-    if (layer.compartments.of_triangle[at(t / (mesh.divide * mesh.divide))] == c)
-      for (int v : mesh.mesh.triangles[at(t)]) among[at(v)] = 1;
+  for (int t = 0; t < layer.articular.size(); ++t) {
+    if (layer.compartments.of_triangle[at(t)] != c) continue;
+    const auto [first, parts] = mesh_triangles(bed, t);
+    for (int part = first; part < first + parts; ++part)
+      for (int v : mesh.mesh.triangles[at(part)]) among[at(v)] = pressed.empty() || pressed[at(v)];
+  }
   return among;
 }
 
@@ -270,20 +311,21 @@ bool peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeas
   return peak < bone.size() && mesh.edge_distance[peak] < kNearEdge * mesh.thickness[peak];
 }
 
-InsideSide side_results(const Layer& layer, const InsideLayer& inside) {
-  const LayerMesh& mesh = inside.layer->mesh;
+/// `pressed`: where the contact presses, as in LookedInto.
+InsideSide side_results(const Layer& layer, const BedLayer& bed, const InsideLayer& inside,
+                        const std::vector<char>& pressed) {
   const std::vector<InsideMeasures> bone = measures_at(inside, 0), surface = measures_at(inside, 1);
   const auto ends = [&](const std::vector<char>& among) -> InsideEnds {
     return {inside_statistics(inside, bone, among), inside_statistics(inside, surface, among),
             peak_near_free_edge(inside, bone, among)};
   };
-  InsideSide side{ends({}), {}, {}};
+  InsideSide side{ends(pressed), {}, {}};
   for (int c = 0; c < layer.compartments.size(); ++c)
-    side.compartments.push_back(ends(vertices_of_compartment(layer, mesh, c)));
+    side.compartments.push_back(ends(vertices_of_compartment(layer, bed, c, pressed)));
   for (const auto* measured : {&bone, &surface})
     for (const auto measure :
          {&InsideMeasures::max_shear, &InsideMeasures::first_strain, &InsideMeasures::third_strain})
-      side.facets.push_back(facet_means(layer, mesh, *measured, measure));
+      side.facets.push_back(facet_means(layer, bed, *measured, measure));
   return side;
 }
 
@@ -340,14 +382,16 @@ InsideMaps make_inside_maps(const JointModel& model, const Settings& settings, c
     maps.elements += static_cast<int>(domain.element_ids.size());
   }
   const SolidElements solid = solid_elements(model, maps);
+  find_layers(beds.beds, maps);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    maps.contacts.push_back(make_inside_map(beds.beds[c]));
     maps.placed.emplace_back();
     for (const int side : {0, 1}) {
       const Layer& layer = joint.contacts[c].layers[side];
-      const LayerOperator* of = maps.contacts[c].sides[side].layer;
-      if (of != nullptr && !layer.region_nodes.empty())
-        maps.placed[c][at(side)] = place_elements(model, maps, solid, layer, of->mesh);
+      if (maps.layer_of[c][at(side)] < 0 || layer.region_nodes.empty()) continue;
+      const int shared = place_in_shared_layer(joint, joint.contacts[c], side).layer;
+      maps.placed[c][at(side)] =
+          place_elements(model, maps, solid, layer, shared < 0 ? layer.face : joint.shared_layers[at(shared)].face,
+                         maps.layers[at(maps.layer_of[c][at(side)])].layer->mesh);
     }
   }
   leave_to_the_nearest(solid, maps);
@@ -357,20 +401,23 @@ InsideMaps make_inside_maps(const JointModel& model, const Settings& settings, c
 InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
   InsideResults results;
   ShownElements shown(maps.elements);
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    const SpringBed& bed = beds.beds[c];
-    const auto contact =
-        look_inside(maps.contacts[c], bed, e.springs[c], e.poses[at(bed.source_body)], e.poses[at(bed.target_body)]);
-    results.contacts.emplace_back();
+  results.contacts.resize(joint.contacts.size());
+  std::vector<LookedInto> looked(maps.layers.size());
+  parallel_for(looked.size(), [&](std::size_t k) { looked[k] = look_inside(maps.layers[k], beds.beds, e); });
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     for (const int side : {0, 1}) {
-      if (!contact[at(side)]) continue;
-      const InsideLayer& inside = *contact[at(side)];
+      if (maps.layer_of[c][at(side)] < 0) continue;
+      const auto k = at(maps.layer_of[c][at(side)]);
+      const std::array<int, 2> own = {static_cast<int>(c), side};
+      const auto use =
+          std::find(maps.layers[k].uses.begin(), maps.layers[k].uses.end(), own) - maps.layers[k].uses.begin();
       const Layer& layer = joint.contacts[c].layers[side];
       const InsideElements& of = maps.placed[c][at(side)];
-      results.contacts[c][at(side)] = side_results(layer, inside);
-      shown.show(of, states_inside(inside, of.places), e.poses[at(layer.body)].rotation);
+      results.contacts[c][at(side)] =
+          side_results(layer, bed_layer(beds.beds[c], side), looked[k].inside,
+                       looked[k].pressed.empty() ? std::vector<char>{} : looked[k].pressed[at(use)]);
+      if (use == 0) shown.show(of, states_inside(looked[k].inside, of.places), e.poses[at(layer.body)].rotation);
     }
-  }
   for (std::size_t d = 0; d < maps.domains.size(); ++d) {
     const std::ptrdiff_t from = maps.first[d], to = d + 1 < maps.first.size() ? maps.first[d + 1] : maps.elements;
     const auto part = [&](const std::vector<SymmetricTensor>& of) {

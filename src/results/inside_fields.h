@@ -19,8 +19,9 @@ namespace dea {
 
 /// Places in a layer of points of its reference configuration, such as its elements' centroids: below the closest point
 /// of its face, at the height that the distances from bone and face tell; where the bone is not known, the depth below
-/// the face over the thickness. Points that lie far beside the face have triangle -1.
-std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points);
+/// the face over the thickness. Points that lie far beside the face have triangle -1. `face`: that `mesh` was made of.
+std::vector<InsidePlace> inside_places(const Layer& layer, const LayerFace& face, const LayerMesh& mesh,
+                                       const std::vector<Vector3d>& points);
 
 /// As FEBio's plot files have it: stress, normal and shear in current global axes; Lagrange strain stays in the axes of
 /// the reference.
@@ -30,16 +31,12 @@ InsideState turned(InsideState state, const Eigen::Matrix3d& rotation);
 InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideMeasures>& measured,
                                    const std::vector<char>& among = {});
 
-/// What of a contact's layers does not depend on pressures: made once, used for all states.
+/// What of a layer does not depend on pressures: made once, used for all states.
 struct InsideMap {
-  struct Side {
-    const LayerOperator* layer = nullptr;  ///< owned by `layers`; null: nothing to look into
-    InsideShape shape;
-    DepthLaws laws;
-  };
-  std::shared_ptr<const LayerBed> layers;
-  Side sides[2];  ///< primary, secondary. No layer: a bare rigid surface, or the law is not Law::Layer with
-                  ///  LayerFit::TwoTerms: only these have the fractions
+  std::shared_ptr<const LayerOperator> layer;
+  InsideShape shape;
+  DepthLaws laws;
+  std::vector<std::array<int, 2>> uses;  ///< contacts and sides (0 primary, 1 secondary) that press it
 };
 
 /// The elements of one layer.
@@ -54,7 +51,8 @@ struct InsideElements {
 
 /// What does not depend on poses and loads: made once for a joint.
 struct InsideMaps {
-  std::vector<InsideMap> contacts;  ///< one per contact of the joint
+  std::vector<InsideMap> layers;  ///< each once; only of Law::Layer with LayerFit::TwoTerms, which has the fractions
+  std::vector<std::array<int, 2>> layer_of;  ///< per contact, primary and secondary: index into `layers`, -1: none
   std::vector<int> domains;  ///< indices into JointModel::domains: solid elements of materials that are not rigid
   std::vector<int> first;    ///< per domain: number of its first element
   int elements = 0;
@@ -90,7 +88,7 @@ struct InsideResults {
   std::vector<InsideDomain> domains;  ///< one per InsideMaps::domains; 0 where no contact's layer is
   std::vector<std::array<std::optional<InsideSide>, 2>> contacts;  ///< primary, secondary; none: no layer
 };
-/// At an equilibrium that still has its springs. An element under several contacts shows the one that presses hardest
+/// At an equilibrium that still has its springs. An element under several layers shows the one that presses hardest
 /// there. Values are finite.
 InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);
 

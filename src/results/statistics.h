@@ -24,14 +24,6 @@ struct PressedRim {
   double whole = 0.0;      ///< length of the whole rim, pressed or not; 0: nothing is pressed there
 };
 
-/// A contact that presses the layer near the line where another contact's facets begin, against what that one does
-/// beyond. The layer's law takes it as pressing alike (Rim::Wall).
-struct UnevenNeighbour {
-  int other = -1;                  ///< index into Joint::contacts
-  int surface = -1;                ///< of the contact itself
-  double own = 0.0, beyond = 0.0;  ///< mean pressure within two thicknesses of the line
-};
-
 /// Of one compartment. NaN: undefined, it carries nothing.
 struct CompartmentLoad {
   Headline headline;                  ///< of its share of the surface with springs, above the threshold of the whole
@@ -59,7 +51,6 @@ struct ContactStatistics {
   Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
   double largest_strain = 0.0;
   PressedRim pressed_rim[2];                  ///< of bare surfaces: primary, secondary
-  std::optional<UnevenNeighbour> uneven;      ///< Law::Layer, contacts side by side
   double complementarity = kNaN;              ///< Law::Layer: residual of (L4) over the largest pressure
   std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
   std::optional<InsideEnds> inside[2];        ///< of the layers of source, target; none: not asked for, or no layer

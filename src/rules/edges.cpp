@@ -143,29 +143,4 @@ Findings shear_at_edge(const JointModel& model, const Joint& joint, const Solved
   return found;
 }
 
-/// Contacts side by side of which one presses at the line they share and the other does not, in any state.
-Findings uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  Findings found;
-  const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    const UnevenNeighbour* worst = nullptr;
-    const StateResult* when = nullptr;
-    for (const StateResult& state : result.states) {
-      const std::optional<UnevenNeighbour>& uneven = state.statistics[c].uneven;
-      if (!uneven || !solved(state.equilibrium.outcome) || (worst != nullptr && size(*uneven) <= size(*worst)))
-        continue;
-      worst = &*uneven;
-      when = &state;
-    }
-    if (worst == nullptr) continue;
-    const Subject subject = {
-        .contact = joint.contacts[c].name, .surface = model.surfaces[at(worst->surface)].name, .time = when->when.time};
-    found.push_back(
-        {"uneven-neighbours",
-         subject,
-         {{"own", worst->own}, {"other", joint.contacts[at(worst->other)].name}, {"beyond", worst->beyond}}});
-  }
-  return found;
-}
-
 }  // namespace dea

@@ -37,7 +37,6 @@ Findings pressed_selection(const JointModel& model, const Joint& joint, const So
 Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings cut_face(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings shear_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result);
-Findings uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // outcome.cpp
 Findings no_solution(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings unstable_balance(const JointModel& model, const Joint& joint, const SolvedStates& result);

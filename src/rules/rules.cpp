@@ -256,13 +256,6 @@ std::vector<Rule> all_rules() {
                   "{pressure:.3g}, and the cartilage's nodes are not held across it: taken for free edges; if the "
                   "joint goes on behind it as its mirror image, hold these nodes in {axis}"}},
                 cut_face),
-      of_result("uneven-neighbours", "Make one contact with one surface of both.",
-                {{W,
-                  "contact \"{contact}\": at time {time} it presses surface \"{surface}\" with {own:.3g} within two "
-                  "thicknesses of the line where contact \"{other}\" begins, and that one presses there with "
-                  "{beyond:.3g}; each is solved as if the other pressed alike: force may be 15%, pressures near the "
-                  "line a third off; one contact with one surface of both tells it right"}},
-                uneven_neighbours),
       of_model(
           "no-thickness", "Check the bone surface and the units, or give a thickness.",
           {{W,
@@ -323,17 +316,11 @@ std::vector<Rule> all_rules() {
                  "contact \"{contact}\": facets are long against the cartilage's thickness ({sizes}): mesh it finer, "
                  "or is its thickness wrong?"}},
                long_facets),
-      told("contacts-side-by-side", "Make one contact with one surface of both.",
+      told("contacts-side-by-side", "Give both surfaces one E and nu, or make one contact with one surface of both.",
            {{N,
              "contacts \"{other}\" and \"{contact}\" press the same layer side by side (surfaces \"{other_surface}\", "
-             "\"{surface}\"): each is solved as if the other pressed alike on its side of the line they share; where "
-             "both press within two thicknesses of each other their pressures come out too high or too low there: one "
-             "contact with one surface tells it right"},
-            {N,
-             "contacts \"{other}\" and \"{contact}\" press the same layer side by side (surfaces \"{other_surface}\", "
-             "\"{surface}\"): each is solved as if the other did not press; where both press within two thicknesses of "
-             "each other their pressures come out too high or too low there: one contact with one surface tells it "
-             "right"}}),
+             "\"{surface}\"), and their materials differ: each is solved as if the other did not press; where both "
+             "press within two thicknesses of each other their pressures come out too high or too low there"}}),
       told("not-thin", "Check thickness and bone surface.",
            {{N,
              "surface \"{surface}\": cartilage of mean thickness {thickness:.3g} is no thin layer on a strip between "
@@ -566,6 +553,9 @@ std::vector<Rule> all_rules() {
               "contact \"{contact}\": its facets are up to {size:.2g} thicknesses long ({sizes}): force, p99 and peak "
               "are right to about 3% where contact is 8 facets wide, less where it is narrower; area and mean need a "
               "finer mesh; dea converge or {refine} tell"}}),
+      quiet("shared-layer", "Nothing: they are solved together.",
+            {{N, "contacts {contacts} press one layer of cartilage, surface {surfaces}: solved together"},
+             {N, "contacts {contacts} press one layer of cartilage, surfaces {surfaces}: solved together"}}),
       quiet("compartments", "Nothing.",
             {{N, "surface \"{surface}\": {compartments:count} compartments that share no node: {compartments:comma}"}}),
       quiet("nearest-thickness-at-rim", "Nothing: usual at rims.",

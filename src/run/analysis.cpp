@@ -47,7 +47,8 @@ void begin_step(StateSequence& sequence, int step, const EquilibriumOptions& opt
 /// solved.
 void end_state(StateSequence& sequence, const Equilibrium& e, const EquilibriumOptions& options) {
   const bool balanced = e.history.empty() || e.history.back() <= 1e3 * options.tolerance;
-  if (solved(e.outcome) || (e.outcome == Outcome::BeyondStrainLimit && balanced)) {
+  if (solved(e.outcome) ||
+      ((e.outcome == Outcome::BeyondStrainLimit || e.outcome == Outcome::PressedTwice) && balanced)) {
     sequence.start.poses = e.poses;
     sequence.reaction = e.reaction;
   }

@@ -39,7 +39,7 @@ struct Activity {
 /// A solution from which the search for another may start.
 struct KnownBalance {
   std::vector<Pose> poses;          ///< one per body
-  std::vector<PressMemory> memory;  ///< one per contact
+  std::vector<PressMemory> memory;  ///< one per group of contacts (SpringBeds)
 };
 
 struct AnalysisOptions {

@@ -46,21 +46,34 @@ Equilibrium solve(const Prepared& prepared, const LoadCase& load_case, const Sta
 
 Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const PressOptions& options,
               std::vector<PressMemory>* memory) {
-  const std::vector<SpringBed>& beds = prepared.beds.beds;
-  if (memory) memory->resize(beds.size());
+  const SpringBeds& beds = prepared.beds;
+  const std::size_t contacts = beds.beds.size();
+  if (memory) memory->resize(beds.groups.size());
   Pressed result;
   result.on_body.assign(prepared.joint.bodies.size(), Vector6::Zero());
-  for (std::size_t c = 0; c < beds.size(); ++c) {
-    PressedContact pressed = press_contact(beds[c], poses, options, memory ? &(*memory)[c] : nullptr);
-    PressedSprings contact;
-    contact.springs = std::move(pressed.springs);
-    contact.on_target = pressed.wrench.wrench.head<6>();
-    contact.on_source = pressed.wrench.wrench.tail<6>();
-    contact.derivative = pressed.wrench.derivative.topLeftCorner<6, 6>();
-    contact.normal_force = pressed.wrench.normal_force;
-    result.on_body[at(beds[c].target_body)] += contact.on_target;
-    result.on_body[at(beds[c].source_body)] += contact.on_source;
-    result.contacts.push_back(std::move(contact));
+  result.contacts.resize(contacts);
+  for (std::size_t g = 0; g < beds.groups.size(); ++g) {
+    std::vector<PressedContact> group =
+        press_group(beds, beds.groups[g], poses, std::vector<Motions>(contacts, options.motions),
+                    std::vector<char>(contacts, 1), options, memory ? &(*memory)[g] : nullptr);
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      const ContactWrench& wrench = group[k].wrench;
+      const int target = beds.beds[at(beds.groups[g][k])].target_body;
+      PressedSprings& contact = result.contacts[at(beds.groups[g][k])];
+      contact.springs = std::move(group[k].springs);
+      contact.on_target = wrench.wrench.head<6>();
+      contact.on_source = wrench.wrench.tail<6>();
+      contact.derivative = wrench.derivative.topLeftCorner<6, 6>();
+      for (const ContactWrench::Cross& other : wrench.cross) {  // the target may be a body of these too
+        if (other.bodies.target == target) contact.derivative += other.derivative.topLeftCorner<6, 6>();
+        if (other.bodies.source == target) contact.derivative += other.derivative.topRightCorner<6, 6>();
+      }
+      contact.normal_force = wrench.normal_force;
+    }
+  }
+  for (std::size_t c = 0; c < contacts; ++c) {
+    result.on_body[at(beds.beds[c].target_body)] += result.contacts[c].on_target;
+    result.on_body[at(beds.beds[c].source_body)] += result.contacts[c].on_source;
   }
   return result;
 }

@@ -334,12 +334,12 @@ Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, in
 
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
                                             const SurfaceMesh& surface, const SpringStates& s, int i, int first,
-                                            int end) {
+                                            int end, const std::vector<char>& own) {
   const auto k = at(i);
   std::array<Vector3d, 3> foot;
   for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
-  std::vector<SurfacePart> parts =
-      parts_under_foot(foot, bed.springs.area[k], relative.rotation * bed.springs.direction[k], surface, first, end);
+  std::vector<SurfacePart> parts = parts_under_foot(
+      foot, bed.springs.area[k], relative.rotation * bed.springs.direction[k], surface, first, end, own);
   if (parts.empty()) parts.push_back({first, s.area[k]});
   return parts;
 }

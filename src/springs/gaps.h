@@ -13,11 +13,12 @@ namespace dea {
 SpringStates find_gaps(const SpringBed& bed, const Pose& source, const Pose& target);
 
 /// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole
-/// or divided; `first`: its triangle that the ray meets; `end`: triangles from here on are no part of the contact.
-/// Never empty: where nothing but rounding is left, all on triangle `first`.
+/// or divided; `first`: its triangle that the ray meets; `end`, `own`: triangles from `end` on, and those that are not
+/// in `own`, unless it is empty, are no part of the contact. Never empty: where nothing but rounding is left, all on
+/// triangle `first`.
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
                                             const SurfaceMesh& surface, const SpringStates& states, int i, int first,
-                                            int end);
+                                            int end, const std::vector<char>& own = {});
 
 /// kappa: d(overlap) = kappa . (delta_target - delta_source) at the end of spring i (E2), less what its rest length
 /// loses by the target's thickness there, times its strain (E3). Global frame.

@@ -1,6 +1,7 @@
 #include "src/springs/layer_bed.h"
 
 #include <algorithm>
+#include <array>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -9,26 +10,69 @@
 
 namespace dea {
 
+int BedLayer::mesh_triangle(int t, const Barycentric& w) const {
+  const int divide = layer->mesh.divide, parts = divide * divide;
+  if (triangle.empty()) return t * parts + part_at(divide, w);
+  Barycentric turned;
+  for (std::size_t k = 0; k < 3; ++k) turned[(k + turn[at(t)]) % 3] = w[k];
+  return triangle[at(t)] * parts + part_at(divide, turned);
+}
+
 namespace {
 
-/// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
-/// from the source.
-Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Pose& source, const Pose& target) {
-  if (memory.rates.size() == 0) return memory.pressure;
-  const Eigen::Matrix3d back = memory.source.rotation * source.rotation.transpose();
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * memory.target.rotation.transpose()));
-  Eigen::Matrix<double, 6, 1> motion;
-  motion << memory.source.center + back * (target.center - source.center) - memory.target.center,
-      turn.angle() * turn.axis();
-  return (memory.pressure + memory.rates * motion).cwiseMax(0.0);
+std::shared_ptr<const LayerOperator> operator_of(const LayerFace& face, const ContactPair& pair,
+                                                 const Elasticity& elasticity) {
+  return std::make_shared<const LayerOperator>(
+      make_layer_operator(make_layer_mesh(face, pair.refine), elasticity, pair.layer_fit));
+}
+
+BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, SharedOperators& shared) {
+  BedLayer of;
+  const Layer& layer = pair.layers[side];
+  if (layer.rigid) return of;
+  const LayerPlace place = place_in_shared_layer(joint, pair, side);
+  if (place.layer < 0) {
+    of.layer = operator_of(layer.face, pair, layer.elasticity);
+    return of;
+  }
+  std::shared_ptr<const LayerOperator>& made = shared[place.layer];
+  if (!made) made = operator_of(joint.shared_layers[at(place.layer)].face, pair, layer.elasticity);
+  of.layer = made;
+  of.triangle = place.use->triangle;
+  of.turn = place.use->turn;
+  const int parts = pair.refine * pair.refine;
+  of.own.assign(at(of.layer->mesh.mesh.size()), 0);
+  for (const int t : of.triangle) std::fill_n(of.own.begin() + t * parts, parts, 1);
+  return of;
+}
+
+/// One foot on each triangle of the contact's surface, divided as the springs are.
+LayerFeet whole_feet(const BedLayer& of, int triangles) {
+  const SurfaceMesh& mesh = of.layer->mesh.mesh;
+  LayerFeet feet;
+  const auto parts = triangle_parts(of.layer->mesh.divide);
+  for (int t = 0; t < triangles; ++t)
+    for (const auto& w : parts) {
+      const int part = of.mesh_triangle(
+          t, {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3});
+      add_foot(feet, *of.layer, {{part, mesh.areas[at(part)]}}, mesh.areas[at(part)]);
+    }
+  return feet;
 }
 
 }  // namespace
 
-LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& s,
-                         const Pose& source_pose, const Pose& target_pose, double reach) {
-  const LayerMesh& layer = target.mesh;
-  const int divide2 = layer.divide * layer.divide;
+std::shared_ptr<const LayerBed> make_layer_bed(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
+  auto layers = std::make_shared<LayerBed>();
+  layers->source = bed_layer(joint, pair, pair.source, shared);
+  layers->target = bed_layer(joint, pair, 1 - pair.source, shared);
+  if (layers->source.layer) layers->whole = whole_feet(layers->source, pair.source_layer().articular.size());
+  return layers;
+}
+
+LayerFeet feet_on_target(const SpringBed& bed, const SpringStates& s, const Pose& source_pose, const Pose& target_pose,
+                         double reach) {
+  const BedLayer& target = bed.layers->target;
   const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
   constexpr int kChunk = 256;  // fixed, so that the result does not depend on the number of threads
   const int chunks = (s.size() + kChunk - 1) / kChunk;
@@ -38,14 +82,14 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
       const auto k = at(i);
       std::vector<SurfacePart> parts;
       if (s.triangle[k] >= 0 && s.area[k] > 0 && s.gap[k] < reach)
-        parts = parts_under_spring(bed, relative, layer.mesh, s, i,
-                                   s.triangle[k] * divide2 + part_at(layer.divide, s.end_weights[k]), layer.pressed);
-      add_foot(of_chunk[at(c)], target, parts, parts.empty() ? 0.0 : s.area[k]);
+        parts = parts_under_spring(bed, relative, target.layer->mesh.mesh, s, i,
+                                   target.mesh_triangle(s.triangle[k], s.end_weights[k]), target.layer->mesh.pressed,
+                                   target.own);
+      add_foot(of_chunk[at(c)], *target.layer, parts, parts.empty() ? 0.0 : s.area[k]);
     }
   });
   LayerFeet feet;
   for (const LayerFeet& more : of_chunk) append(feet, more);
-  set_reach(feet, target);
   return feet;
 }
 
@@ -59,33 +103,107 @@ LayerFeet feet_on_source(const LayerBed& layers, const Eigen::VectorXd& area) {
     feet.volume[k] *= share;
     feet.area[k] = area[i];
   }
-  set_reach(feet, *layers.source);
   return feet;
-}
-
-std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair) {
-  const Layer &source = pair.source_layer(), &target = pair.target_layer();
-  auto layers = std::make_shared<LayerBed>();
-  if (!source.rigid) {
-    layers->source = make_layer_operator(make_layer_mesh(source.face, pair.refine), source.elasticity, pair.layer_fit);
-    layers->whole = feet_of_own_triangles(*layers->source);
-  }
-  if (!target.rigid)
-    layers->target = make_layer_operator(make_layer_mesh(target.face, pair.refine), target.elasticity, pair.layer_fit);
-  return layers;
 }
 
 namespace {
 
-/// What a spring under pressure shows: strains of both layers, and its own stiffness.
-void set_spring(const SpringBed& bed, const LayerPressure& result, int i, SpringStates& s) {
+/// Contacts that share layers, as one problem: where the springs of each are among all, which layers there are.
+struct Together {
+  const std::vector<PosedBed>& beds;
+  std::vector<Eigen::Index> begin = {0};     ///< per bed: its springs; the last: how many there are
+  std::vector<const LayerOperator*> layers;  ///< each once
+  std::vector<std::array<int, 2>> layer_of;  ///< per bed: of source, target; -1: bare
+  std::vector<BodyPair> pairs;               ///< of the beds, each once
+  std::vector<Eigen::Index> pair_of;         ///< per bed
+
+  explicit Together(const std::vector<PosedBed>& all) : beds(all) {
+    for (const PosedBed& b : beds) {
+      begin.push_back(begin.back() + b.bed->springs.size());
+      layer_of.push_back({index_of(b.bed->layers->source), index_of(b.bed->layers->target)});
+      const BodyPair bodies{b.bed->source_body, b.bed->target_body};
+      const auto known = std::find(pairs.begin(), pairs.end(), bodies);
+      pair_of.push_back(known - pairs.begin());
+      if (known == pairs.end()) pairs.push_back(bodies);
+    }
+  }
+  Eigen::Index springs() const { return begin.back(); }
+  Eigen::Index columns() const { return 6 * static_cast<Eigen::Index>(pairs.size()); }
+  /// A bed of these bodies.
+  const PosedBed& bed_of(Eigen::Index pair) const {
+    return beds[at(std::find(pair_of.begin(), pair_of.end(), pair) - pair_of.begin())];
+  }
+
+ private:
+  int index_of(const BedLayer& of) {
+    if (!of.layer) return -1;
+    const auto known = std::find(layers.begin(), layers.end(), of.layer.get());
+    if (known == layers.end()) layers.push_back(of.layer.get());
+    return static_cast<int>(std::find(layers.begin(), layers.end(), of.layer.get()) - layers.begin());
+  }
+};
+
+/// Pressures to start from: those of the last pose, and what their rates make of the targets' motions since, as seen
+/// from their sources.
+Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Together& all) {
+  if (memory.rates.size() == 0) return memory.pressure;
+  Eigen::VectorXd pressure = memory.pressure;
+  for (std::size_t m = 0; m < all.pairs.size(); ++m) {
+    const PosedBed& now = all.bed_of(static_cast<Eigen::Index>(m));
+    const Pose &source = memory.source[m], &target = memory.target[m];
+    const Eigen::Matrix3d back = source.rotation * now.source.rotation.transpose();
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * now.target.rotation * target.rotation.transpose()));
+    Eigen::Matrix<double, 6, 1> motion;
+    motion << source.center + back * (now.target.center - now.source.center) - target.center,
+        turn.angle() * turn.axis();
+    pressure += memory.rates.middleCols<6>(6 * static_cast<Eigen::Index>(m)) * motion;
+  }
+  return pressure.cwiseMax(0.0);
+}
+
+/// So many feet that stand on nothing.
+LayerFeet no_feet(int count) {
+  LayerFeet feet;
+  feet.begin.assign(at(count) + 1, 0);
+  for (auto* values : {&feet.area, &feet.volume, &feet.own}) values->assign(at(count), 0.0);
+  return feet;
+}
+
+/// The feet of all springs on each layer.
+std::vector<LayerFeet> feet_on_layers(const Together& all, const std::vector<SpringStates>& states,
+                                      const Eigen::VectorXd& area, double reach) {
+  std::vector<LayerFeet> feet(all.layers.size());
+  for (std::size_t b = 0; b < all.beds.size(); ++b) {
+    const PosedBed& posed = all.beds[b];
+    const int n = posed.bed->springs.size();
+    for (std::size_t k = 0; k < feet.size(); ++k) {
+      const int layer = static_cast<int>(k);
+      if (posed.active && all.layer_of[b][0] == layer)
+        append(feet[k], feet_on_source(*posed.bed->layers, area.segment(all.begin[b], n)));
+      else if (posed.active && all.layer_of[b][1] == layer)
+        append(feet[k], feet_on_target(*posed.bed, states[b], posed.source, posed.target, reach));
+      else
+        append(feet[k], no_feet(n));
+    }
+  }
+  for (std::size_t k = 0; k < feet.size(); ++k) set_reach(feet[k], *all.layers[k]);
+  return feet;
+}
+
+/// What a spring under pressure shows: strains of both layers, and its own stiffness. `all`: its number among those of
+/// all contacts.
+void set_spring(const SpringBed& bed, const std::array<int, 2>& layers, const LayerPressure& result, Eigen::Index all,
+                int i, SpringStates& s) {
   const ContactPair& pair = bed.pair;
   const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
   const auto k = at(i);
-  s.pressure[k] = result.pressure[i];
+  s.pressure[k] = result.pressure[all];
   // the layer's own shortening, whatever flows: no less than nothing, for what bulges at p > 0 is not stretched
-  s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
-  s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
+  const auto strain = [&](int layer, double thickness) {
+    return layer >= 0 && thickness > 0 ? std::max(0.0, result.sunk[at(layer)][all] / thickness) : 0.0;
+  };
+  s.strain_source[k] = strain(layers[0], s.t_source[k]);
+  s.strain_target[k] = strain(layers[1], s.t_target[k]);
   s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
   const double confined =
       (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
@@ -95,90 +213,129 @@ void set_spring(const SpringBed& bed, const LayerPressure& result, int i, Spring
                          .per_overlap;
 }
 
-/// How the overlap changes with small motions of the target relative to the source, about the target's centre: six
-/// columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
-Eigen::MatrixXd overlap_rates(const SpringBed& bed, const LayerContact& contact, const LayerPressure& result,
-                              const Pose& source, const Pose& target, SpringStates& s) {
-  const int n = s.size();
-  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(n, 6);
-  for (int i = 0; i < n; ++i) {
-    const auto k = at(i);
-    if (!result.active[k]) continue;
-    const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
-    s.per_motion[k] = s.per_overlap[k] * per_motion;
-    rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
+/// How the overlaps change with small motions of the targets relative to their sources, about the targets' centres: six
+/// columns per pair of bodies (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a
+/// spring.
+Eigen::MatrixXd overlap_rates(const Together& all, const LayerContact& contact, const LayerPressure& result,
+                              std::vector<SpringStates>& states) {
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(all.springs(), all.columns()), force_rates;
+  for (std::size_t b = 0; b < all.beds.size(); ++b) {
+    const PosedBed& posed = all.beds[b];
+    SpringStates& s = states[b];
+    const Eigen::Index first = all.begin[b], column = 6 * all.pair_of[b];
+    for (int i = 0; i < s.size(); ++i) {
+      const auto k = at(i);
+      if (!result.active[at(first + i)]) continue;
+      const Vector3d per_motion = overlap_rate(*posed.bed, s, i, s.strain_target[k], posed.target);
+      s.per_motion[k] = s.per_overlap[k] * per_motion;
+      rates.row(first + i).segment<6>(column) << per_motion.transpose(),
+          (s.end[k] - posed.target.center).cross(per_motion).transpose();
+    }
+    // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
+    if (!s.rim.empty() && force_rates.size() == 0) force_rates = Eigen::MatrixXd::Zero(all.springs(), all.columns());
+    for (const RimSpring& rim : s.rim) {
+      const int i = rim.spring;
+      const auto k = at(i);
+      if (!result.active[at(first + i)]) continue;
+      const Vector3d gradient = source_overlap_gradient(*posed.bed, s, i, 0.0, posed.source) -
+                                overlap_rate(*posed.bed, s, i, s.strain_target[k], posed.target);
+      rates.row(first + i).segment<6>(column) += gradient.transpose() * rim.foot_rate.leftCols<6>();
+      force_rates.row(first + i).segment<6>(column) = result.pressure[first + i] * rim.area_rate.head<6>().transpose();
+    }
   }
-  if (s.rim.empty()) return rates;
-  // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
-  Eigen::MatrixXd force_rates = Eigen::MatrixXd::Zero(n, 6);
-  for (const RimSpring& rim : s.rim) {
-    const int i = rim.spring;
-    const auto k = at(i);
-    if (!result.active[k]) continue;
-    const Vector3d gradient =
-        source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
-    rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
-    force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
-  }
-  rates -= spread(contact, force_rates);
+  if (force_rates.size() > 0) rates -= spread(contact, force_rates);
   return rates;
 }
 
-/// The pressures' derivative by the motions that are asked for.
-void set_rates(const LayerContact& contact, const LayerPressure& result, const Eigen::MatrixXd& rates,
-               const PressOptions& options, const PressMemory* memory, SpringStates& s) {
-  std::vector<int> columns;
-  for (int m = 0; m < 6; ++m)
-    if (options.motions[at(m)]) columns.push_back(m);
-  if (columns.empty()) return;
-  const Eigen::MatrixXd asked = rates(Eigen::all, columns);
+/// The pressures' derivative by the motions that are asked for; the other columns stay zero.
+Eigen::MatrixXd pressure_rates(const Together& all, const LayerContact& contact, const LayerPressure& result,
+                               const Eigen::MatrixXd& overlap_rates, const PressOptions& options,
+                               const PressMemory* memory) {
+  std::vector<Eigen::Index> columns;
+  for (std::size_t m = 0; m < all.pairs.size(); ++m)
+    for (std::size_t k = 0; k < 6; ++k) {
+      bool asked = false;
+      for (std::size_t b = 0; b < all.beds.size(); ++b)
+        asked =
+            asked || (all.pair_of[b] == static_cast<Eigen::Index>(m) && all.beds[b].active && all.beds[b].motions[k]);
+      if (asked) columns.push_back(static_cast<Eigen::Index>(6 * m + k));
+    }
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(all.springs(), all.columns());
+  if (columns.empty()) return rates;
+  const Eigen::MatrixXd asked = overlap_rates(Eigen::all, columns);
   const Eigen::MatrixXd start =
       memory && memory->rates.size() > 0 ? Eigen::MatrixXd(memory->rates(Eigen::all, columns)) : Eigen::MatrixXd();
-  s.rates(Eigen::all, columns) =
+  rates(Eigen::all, columns) =
       solve_active(contact, result.active, asked, options.rate_tolerance, start, options.stop).pressure;
+  return rates;
+}
+
+/// Each bed's rows: by its own bodies' motions, and by those of the others.
+void share_out_rates(const Together& all, const Eigen::MatrixXd& rates, std::vector<SpringStates>& states) {
+  for (std::size_t b = 0; b < all.beds.size(); ++b) {
+    SpringStates& s = states[b];
+    if (!all.beds[b].active) continue;
+    const auto own = rates.middleRows(all.begin[b], s.size());
+    s.rates = own.middleCols<6>(6 * all.pair_of[b]);
+    for (std::size_t m = 0; m < all.pairs.size(); ++m) {
+      const auto pair = static_cast<Eigen::Index>(m);
+      if (pair == all.pair_of[b] || own.middleCols<6>(6 * pair).isZero(0.0)) continue;
+      const PosedBed& other = all.bed_of(pair);
+      s.cross.push_back({all.pairs[m], other.source.center, other.target.center, own.middleCols<6>(6 * pair)});
+    }
+  }
 }
 
 }  // namespace
 
-void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
-                  const PressOptions& options, PressMemory* memory) {
-  const int n = s.size();
-  s.rates.setZero(n, 6);
-  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
+void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
+                  PressMemory* memory) {
+  const Together all(beds);
+  double deepest = 0.0;
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    if (!beds[b].active) continue;
+    states[b].rates.setZero(states[b].size(), 6);
+    deepest = std::max(deepest, *std::max_element(states[b].overlap.begin(), states[b].overlap.end()));
+  }
   if (!(deepest > 0)) return;
 
-  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(all.springs());
   LayerContact contact;
-  contact.interface_compliance = bed.pair.interface_compliance;
-  contact.area = Eigen::VectorXd::Zero(n);
-  for (int i = 0; i < n; ++i) {
-    // nothing bulges by more than it is pressed in elsewhere
-    if (!(s.area[at(i)] > 0) || s.gap[at(i)] >= deepest) continue;
-    overlap[i] = -s.gap[at(i)];
-    contact.area[i] = s.area[at(i)];
+  contact.interface_compliance = beds.front().bed->pair.interface_compliance;
+  contact.area = Eigen::VectorXd::Zero(all.springs());
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    const SpringStates& s = states[b];
+    for (int i = 0; i < s.size(); ++i) {
+      // nothing bulges by more than it is pressed in elsewhere
+      if (!(s.area[at(i)] > 0) || s.gap[at(i)] >= deepest) continue;
+      overlap[all.begin[b] + i] = -s.gap[at(i)];
+      contact.area[all.begin[b] + i] = s.area[at(i)];
+    }
   }
-  LayerFeet source_feet, target_feet;
-  if (layers.source) {
-    source_feet = feet_on_source(layers, contact.area);
-    contact.source.layer = &*layers.source;
-    contact.source.feet = &source_feet;
-  }
-  if (layers.target) {
-    target_feet = feet_on_target(bed, *layers.target, s, source, target, deepest);
-    contact.target.layer = &*layers.target;
-    contact.target.feet = &target_feet;
-  }
+  const std::vector<LayerFeet> feet = feet_on_layers(all, states, contact.area, deepest);
+  for (std::size_t k = 0; k < feet.size(); ++k) contact.layers.push_back({all.layers[k], &feet[k], {}});
   LayerContactOptions search;
   search.tolerance = options.tolerance;
   search.stop = options.stop;
-  const LayerPressure result = solve_contact(
-      contact, overlap, memory ? pressures_to_start_from(*memory, source, target) : Eigen::VectorXd(), search);
-  s.complementarity = result.residual;
-  s.complementary = result.converged;
-  for (int i = 0; i < n; ++i)
-    if (result.active[at(i)]) set_spring(bed, result, i, s);
-  set_rates(contact, result, overlap_rates(bed, contact, result, source, target, s), options, memory, s);
-  if (memory) *memory = {result.pressure, s.rates, source, target};
+  const LayerPressure result =
+      solve_contact(contact, overlap, memory ? pressures_to_start_from(*memory, all) : Eigen::VectorXd(), search);
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    if (!beds[b].active) continue;
+    states[b].complementarity = result.residual;
+    states[b].complementary = result.converged;
+    for (int i = 0; i < states[b].size(); ++i)
+      if (result.active[at(all.begin[b] + i)])
+        set_spring(*beds[b].bed, all.layer_of[b], result, all.begin[b] + i, i, states[b]);
+  }
+  const Eigen::MatrixXd rates =
+      pressure_rates(all, contact, result, overlap_rates(all, contact, result, states), options, memory);
+  share_out_rates(all, rates, states);
+  if (!memory) return;
+  *memory = {result.pressure, rates, {}, {}};
+  for (std::size_t m = 0; m < all.pairs.size(); ++m) {
+    memory->source.push_back(all.bed_of(static_cast<Eigen::Index>(m)).source);
+    memory->target.push_back(all.bed_of(static_cast<Eigen::Index>(m)).target);
+  }
 }
 
 }  // namespace dea

@@ -15,20 +15,17 @@ using Eigen::VectorXd;
 
 namespace {
 
-MatrixXd layer_sinking(const LayerSide& side, const MatrixXd& pressure) {
-  if (!side.layer) return MatrixXd::Zero(pressure.rows(), pressure.cols());
-  return sinking(*side.layer, *side.feet, pressure, side.softening.size() > 0 ? &side.softening : nullptr);
+MatrixXd layer_sinking(const PressedLayer& of, const MatrixXd& pressure) {
+  return sinking(*of.layer, *of.feet, pressure, of.softening.size() > 0 ? &of.softening : nullptr);
 }
 
 /// Of w per pressure of the same foot, without flow.
 VectorXd own_compliance(const LayerContact& contact, bool tangent) {
   VectorXd own = VectorXd::Zero(contact.area.size());
-  for (const LayerSide* side : {&contact.source, &contact.target}) {
-    if (!side->layer) continue;
+  for (const PressedLayer& of : contact.layers)
     for (Index i = 0; i < own.size(); ++i)
-      own[i] += dea::own_compliance(*side->layer, *side->feet, static_cast<int>(i),
-                                    tangent && side->softening.size() > 0 ? &side->softening : nullptr);
-  }
+      own[i] += dea::own_compliance(*of.layer, *of.feet, static_cast<int>(i),
+                                    tangent && of.softening.size() > 0 ? &of.softening : nullptr);
   for (Index i = 0; i < own.size(); ++i)
     if (own[i] > 0) own[i] += contact.interface_compliance;
   return own;
@@ -37,11 +34,12 @@ VectorXd own_compliance(const LayerContact& contact, bool tangent) {
 }  // namespace
 
 MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
-  MatrixXd w_s, w_t;
-  parallel_invoke([&] { w_s = layer_sinking(contact.source, pressure); },
-                  [&] { w_t = layer_sinking(contact.target, pressure); });
-  if (contact.interface_compliance > 0) return w_s + w_t + contact.interface_compliance * pressure;
-  return w_s + w_t;
+  std::vector<MatrixXd> of_layer(contact.layers.size());
+  parallel_for(of_layer.size(), [&](std::size_t k) { of_layer[k] = layer_sinking(contact.layers[k], pressure); });
+  MatrixXd w = std::move(of_layer.front());
+  for (std::size_t k = 1; k < of_layer.size(); ++k) w += of_layer[k];
+  if (contact.interface_compliance > 0) w += contact.interface_compliance * pressure;
+  return w;
 }
 
 VectorXd local_compliance(const LayerContact& contact) { return own_compliance(contact, false); }
@@ -77,8 +75,8 @@ struct ScaledContact {
   /// Upper bound of the eigenvalues of B.
   double largest() const {
     double bound = 1;
-    for (const LayerSide* side : {&contact.source, &contact.target})
-      if (side->layer) bound = std::max(bound, side->layer->law.largest() / side->layer->law.local);
+    for (const PressedLayer& of : contact.layers)
+      bound = std::max(bound, of.layer->law.largest() / of.layer->law.local);
     return bound;
   }
 };
@@ -153,7 +151,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
 LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, const VectorXd& start,
                             const LayerContactOptions& options) {
   constexpr int kMaxSteps = 100;
-  contact.source.softening = contact.target.softening = VectorXd();
+  for (PressedLayer& of : contact.layers) of.softening = VectorXd();
   ScaledContact B(contact);
   const Index n = overlap.size();
   assert(contact.area.size() == n && (start.size() == 0 || start.size() == n));
@@ -162,29 +160,28 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
   for (Index i = 0; i < n; ++i)
     if (!(B.weight[i] > 0)) p[i] = 0;
   // w by (L9), and the softenings there
-  const auto sink = [&](LayerSide& side, VectorXd& w) {
-    if (!side.layer)
-      w = VectorXd::Zero(n);
-    else if (options.large_strain)
-      w = large_sinking(*side.layer, *side.feet, p, side.softening);
-    else
-      w = sinking(*side.layer, *side.feet, p).col(0);
+  result.sunk.resize(contact.layers.size());
+  const auto sink = [&](std::size_t k) {
+    PressedLayer& of = contact.layers[k];
+    result.sunk[k] = options.large_strain ? large_sinking(*of.layer, *of.feet, p, of.softening)
+                                          : VectorXd(sinking(*of.layer, *of.feet, p).col(0));
   };
   for (int step = 0;; ++step) {
     end_if_stopped(options.stop);
     ++B.applications;
-    parallel_invoke([&] { sink(contact.source, result.sunk_source); },
-                    [&] { sink(contact.target, result.sunk_target); });
-    const VectorXd z =
-        (result.sunk_source + result.sunk_target + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
+    parallel_for(result.sunk.size(), sink);
+    VectorXd sunk = result.sunk.front();
+    for (std::size_t k = 1; k < result.sunk.size(); ++k) sunk += result.sunk[k];
+    const VectorXd z = (sunk + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
     const double before = result.residual;
     result.residual = complementarity(B, p, z);
     // solve_bounded carries its residual along: as it is, it may be a little larger
     result.converged = result.residual <= (step > 0 ? 3 : 1) * options.tolerance;
     if (result.converged || step >= kMaxSteps || B.applications >= options.max_applications) break;
     if (step > 2 && result.residual < 100 * options.tolerance && result.residual > 0.5 * before) break;  // rounding
-    const bool linear = (contact.source.softening.size() == 0 || contact.source.softening.isZero(0.0)) &&
-                        (contact.target.softening.size() == 0 || contact.target.softening.isZero(0.0));
+    const bool linear = std::all_of(contact.layers.begin(), contact.layers.end(), [](const PressedLayer& of) {
+      return of.softening.size() == 0 || of.softening.isZero(0.0);
+    });
     // Newton's step squares the error: no need to solve it closer than that
     const double goal = linear ? options.tolerance
                                : std::max(0.3 * options.tolerance, std::min(0.1, result.residual) * result.residual);

@@ -8,22 +8,23 @@
 
 namespace dea {
 
-/// One side of a contact: a layer and what of it each foot stands on. A bare rigid side has no layer.
-struct LayerSide {
+/// A layer and what of it each foot stands on: nothing of it where the foot presses other layers.
+struct PressedLayer {
   const LayerOperator* layer = nullptr;  ///< not owned
   const LayerFeet* feet = nullptr;
   Eigen::VectorXd softening;  ///< per foot: slopes of e(q) about which the contact is linear (L9); empty: small strain
 };
 
-/// One or two layers pressed together on the same feet.
+/// Layers pressed together on the same feet: two, or one against a bare rigid surface; where contacts share layers, all
+/// of these under the feet of all of them.
 struct LayerContact {
-  LayerSide source, target;
+  std::vector<PressedLayer> layers;   ///< each once
   Eigen::VectorXd area;               ///< per foot: what carries its pressure [mm^2]; 0: takes no part
   double interface_compliance = 0.0;  ///< gap per pressure of what lies between the surfaces (S9)
 };
 
-/// w_s + w_t [mm] for pressures [MPa], both feet x columns, linear about the softenings. The two layers may be computed
-/// at the same time, each by itself: the result does not depend on the number of threads.
+/// Sum of w over the layers [mm] for pressures [MPa], both feet x columns, linear about the softenings. The layers may
+/// be computed at the same time, each by itself: the result does not depend on the number of threads.
 Eigen::MatrixXd sinking(const LayerContact& contact, const Eigen::MatrixXd& pressure);
 /// Compliance of each foot for itself at small strain, the sum over the layers [mm/MPa]: what is left for short waves.
 Eigen::VectorXd local_compliance(const LayerContact& contact);
@@ -40,10 +41,10 @@ struct LayerContactOptions {
 };
 
 struct LayerPressure {
-  Eigen::VectorXd pressure;                  ///< per foot, >= 0 [MPa]
-  Eigen::VectorXd sunk_source, sunk_target;  ///< w of each layer [mm]; 0 on a bare rigid side
-  std::vector<char> active;                  ///< per foot: touches (p > 0)
-  double residual = 0.0;                     ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
+  Eigen::VectorXd pressure;           ///< per foot, >= 0 [MPa]
+  std::vector<Eigen::VectorXd> sunk;  ///< per layer: w of its feet [mm]
+  std::vector<char> active;           ///< per foot: touches (p > 0)
+  double residual = 0.0;              ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
   bool converged = false;
   int applications = 0;  ///< of the compliance: each costs a sparse solution per layer and matrix
 };

@@ -34,20 +34,30 @@ void press_each(const SpringBed& bed, SpringStates& s, const Pose& target) {
 
 SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose& target, const PressOptions& options,
                            PressMemory* memory) {
-  SpringStates s = find_gaps(bed, source, target);
-  if (bed.layers)
-    press_layers(*bed.layers, bed, s, source, target, options, memory);
-  else
-    press_each(bed, s, target);
-  const auto bare = [&](const RimSpring& rim) { return s.pressure[at(rim.spring)] <= 0; };
-  s.rim.erase(std::remove_if(s.rim.begin(), s.rim.end(), bare), s.rim.end());
-  for (RimSpring& rim : s.rim) {
-    if (bed.layers) break;  // there it is part of the rates
-    const auto k = at(rim.spring);
-    rim.pressure_gradient =
-        -s.per_motion[k] + s.per_overlap[k] * source_overlap_gradient(bed, s, rim.spring, s.strain_source[k], source);
+  return std::move(press_together({{&bed, source, target, options.motions}}, options, memory).front());
+}
+
+std::vector<SpringStates> press_together(const std::vector<PosedBed>& beds, const PressOptions& options,
+                                         PressMemory* memory) {
+  std::vector<SpringStates> states(beds.size());
+  for (std::size_t b = 0; b < beds.size(); ++b)
+    if (beds[b].active) states[b] = find_gaps(*beds[b].bed, beds[b].source, beds[b].target);
+  const bool layers = beds.front().bed->layers != nullptr;
+  if (layers) press_layers(beds, states, options, memory);
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    SpringStates& s = states[b];
+    if (!layers && beds[b].active) press_each(*beds[b].bed, s, beds[b].target);
+    const auto bare = [&](const RimSpring& rim) { return s.pressure[at(rim.spring)] <= 0; };
+    s.rim.erase(std::remove_if(s.rim.begin(), s.rim.end(), bare), s.rim.end());
+    for (RimSpring& rim : s.rim) {
+      if (layers) break;  // there it is part of the rates
+      const auto k = at(rim.spring);
+      rim.pressure_gradient =
+          -s.per_motion[k] +
+          s.per_overlap[k] * source_overlap_gradient(*beds[b].bed, s, rim.spring, s.strain_source[k], beds[b].source);
+    }
   }
-  return s;
+  return states;
 }
 
 SpringDepth spring_depth(const SpringStates& s) {

@@ -1,5 +1,8 @@
 // src/springs/press.h – what the springs of a contact do at a pose of its two bodies.
 #pragma once
+#include <vector>
+
+#include "src/springs/layer_bed.h"
 #include "src/springs/springs.h"
 
 namespace dea {
@@ -10,5 +13,10 @@ namespace dea {
 /// options.stop was set; `memory` is as it was.
 SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose& target,
                            const PressOptions& options = {}, PressMemory* memory = nullptr);
+
+/// The same of contacts whose layers other contacts of them press too: one problem. `options.motions`: not read, each
+/// bed has its own. Of a bed that is not active: an empty state.
+std::vector<SpringStates> press_together(const std::vector<PosedBed>& beds, const PressOptions& options = {},
+                                         PressMemory* memory = nullptr);
 
 }  // namespace dea

@@ -44,6 +44,20 @@ struct SpringBed {
   std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
 };
 
+/// A pair of bodies that small motions are told of: the target's relative to the source.
+struct BodyPair {
+  int source = -1, target = -1;
+  bool operator==(const BodyPair&) const = default;
+};
+
+/// How the pressures of a contact change with small motions of another one's bodies, as SpringStates::rates: where
+/// both press a layer.
+struct CrossRates {
+  BodyPair bodies;
+  Vector3d source_center = Vector3d::Zero(), target_center = Vector3d::Zero();  ///< current centres of mass
+  Eigen::MatrixXd rates;                                                        ///< n x 6
+};
+
 /// A spring over the target's rim: how the covered part of its foot triangle changes with small motions.
 struct RimSpring {
   int spring = -1;
@@ -76,8 +90,9 @@ struct SpringStates {
   /// Law::Layer, else empty: dp of small motions of the target relative to the source, translation and rotation about
   /// the target's current centre of mass, n x 6; takes the place of per_motion, for every pressure depends on all gaps.
   Eigen::MatrixXd rates;
-  double complementarity = 0.0;  ///< Law::Layer: residual of (L4), relative to the largest pressure
-  bool complementary = true;     ///< Law::Layer: (L4) was solved to its tolerance
+  std::vector<CrossRates> cross;  ///< Law::Layer, of contacts of other bodies that press the same layers
+  double complementarity = 0.0;   ///< Law::Layer: residual of (L4), relative to the largest pressure
+  bool complementary = true;      ///< Law::Layer: (L4) was solved to its tolerance
   int size() const { return static_cast<int>(gap.size()); }
 };
 
@@ -107,12 +122,13 @@ struct PressOptions {
   const StopFlag* stop = nullptr;         ///< not owned; once it is set the search for pressures throws Stopped
 };
 
-/// What a search may start from: pressures at one pose, their rates (springs x 6, as SpringStates::rates), that pose.
-/// Only the time changes with it: results do not, but in the last digits of the tolerance.
+/// What a search may start from: pressures at one pose, of the springs of all contacts that are pressed together, their
+/// rates (springs x 6 per pair of bodies, as SpringStates::rates), the poses of these pairs. Only the time changes with
+/// it: results do not, but in the last digits of the tolerance.
 struct PressMemory {
   Eigen::VectorXd pressure;
   Eigen::MatrixXd rates;
-  Pose source, target;
+  std::vector<Pose> source, target;
 };
 
 }  // namespace dea

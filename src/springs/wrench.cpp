@@ -10,6 +10,32 @@
 
 namespace dea {
 
+namespace {
+
+/// dp by small motions of target and source, for rates by the target's relative to the source, about its centre.
+Vector12 by_both_motions(const Eigen::MatrixXd& rates, Eigen::Index spring, const Vector3d& source_center,
+                         const Vector3d& target_center) {
+  const Vector3d a = rates.row(spring).head<3>(), turn = rates.row(spring).tail<3>();
+  Vector12 kappa;
+  kappa << a, turn, -a, -turn - Vector3d(target_center - source_center).cross(a);
+  return kappa;
+}
+
+std::vector<ContactWrench::Cross> cross_derivatives(const SpringStates& s, const Pose& source, const Pose& target) {
+  std::vector<ContactWrench::Cross> all;
+  for (const CrossRates& other : s.cross) {
+    all.push_back({other.bodies, Matrix12::Zero()});
+    for (int i = 0; i < s.size(); ++i)
+      if (s.area[at(i)] > 0 && s.pressure[at(i)] > 0)
+        all.back().derivative.noalias() +=
+            s.area[at(i)] * unit_wrench(s.foot[at(i)], s.direction[at(i)], source, target) *
+            by_both_motions(other.rates, i, other.source_center, other.target_center).transpose();
+  }
+  return all;
+}
+
+}  // namespace
+
 ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Pose& target) {
   // Sums are made in chunks of a fixed size, added in their order: the same bits for any number of threads.
   constexpr int kChunk = 2048;
@@ -22,10 +48,7 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
       if (s.area[k] <= 0 || s.pressure[k] <= 0) continue;
       const Vector12 w = unit_wrench(s.foot[k], s.direction[k], source, target);
       Vector12 kappa = unit_wrench(s.end[k], s.per_motion[k], source, target);
-      if (s.rates.rows() > 0) {  // of the motion relative to the source, about the target's centre
-        const Vector3d a = s.rates.row(i).head<3>(), turn = s.rates.row(i).tail<3>();
-        kappa << a, turn, -a, -turn - Vector3d(target.center - source.center).cross(a);
-      }
+      if (s.rates.rows() > 0) kappa = by_both_motions(s.rates, i, source.center, target.center);
       sum.wrench += s.pressure[k] * s.area[k] * w;
       sum.derivative.noalias() += (s.area[k] * w) * kappa.transpose();
       sum.normal_force += s.pressure[k] * s.area[k];
@@ -58,6 +81,7 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   K.block<3, 3>(3, 0) += skew(F);
   K.block<3, 3>(3, 9) += -skew(M) + skew(F) * skew(Vector3d(target.center - source.center));
   K.block<3, 3>(9, 9) -= skew(M_s);
+  total.cross = cross_derivatives(s, source, target);
   return total;
 }
 

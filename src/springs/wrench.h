@@ -1,6 +1,7 @@
 // src/springs/wrench.h – force and moment of a contact on its two bodies, and their derivative (E1-E5).
 #pragma once
 #include <array>
+#include <vector>
 
 #include "src/springs/springs.h"
 
@@ -9,9 +10,15 @@ namespace dea {
 /// Force and moment of the contact on target and source, about their current centres of mass, and their
 /// derivative with respect to small motions of both.
 struct ContactWrench {
+  /// By small motions of the bodies of another contact that presses the same layer.
+  struct Cross {
+    BodyPair bodies;
+    Matrix12 derivative = Matrix12::Zero();  ///< rows: this contact's target and source; columns: the other's
+  };
   Vector12 wrench = Vector12::Zero();
   Matrix12 derivative = Matrix12::Zero();
   double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
+  std::vector<Cross> cross;
 };
 ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
 

@@ -189,8 +189,8 @@ TEST(InsideFields, PlacesWithoutBone) {
   layer.bone = layer.articular;
   layer.face = selected_face(layer.articular, std::vector<unsigned char>(4, 0));
   layer.face.thickness.assign(4, 2.0);
-  const std::vector<InsidePlace> places =
-      inside_places(layer, make_layer_mesh(layer.face), {{1, 1, -0.5}, {2, 2, -1.5}, {2, 1, -2.5}, {2, 2, -3.5}});
+  const std::vector<InsidePlace> places = inside_places(layer, layer.face, make_layer_mesh(layer.face),
+                                                        {{1, 1, -0.5}, {2, 2, -1.5}, {2, 1, -2.5}, {2, 2, -3.5}});
   EXPECT_NEAR(places[0].height, 0.75, 1e-12);
   EXPECT_NEAR(places[1].height, 0.25, 1e-12);
   EXPECT_EQ(places[2].height, 0.0);

@@ -30,7 +30,8 @@ TEST(Inside, PlacesOfPoints) {
   layer.face = layer_face(top, even(2), all(Rim::Free));
   layer.bone = test::grid(4, 4, [](double u, double v) { return Vector3d(8 * u, 8 * v, -2); });
   const LayerMesh mesh = make_layer_mesh(layer.face);
-  const std::vector<InsidePlace> places = inside_places(layer, mesh, {{3.1, 2.2, -0.5}, {5, 5, -2}, {40, 5, -1}});
+  const std::vector<InsidePlace> places =
+      inside_places(layer, layer.face, mesh, {{3.1, 2.2, -0.5}, {5, 5, -2}, {40, 5, -1}});
   EXPECT_NEAR(places[0].height, 0.75, 1e-12);
   EXPECT_LT((position(mesh.mesh, {places[0].triangle, places[0].weights}) - Vector3d(3.1, 2.2, 0)).norm(), 1e-12);
   EXPECT_NEAR(places[1].height, 0, 1e-12);

@@ -25,13 +25,13 @@ using namespace test;
 const double kE = 11.85;
 
 /// A layer under feet, as one side of a contact.
-LayerSide side(FootedLayer& layer) { return {&layer.layer, &layer.feet, {}}; }
+PressedLayer side(FootedLayer& layer) { return {&layer.layer, &layer.feet, {}}; }
 
 /// Of this layer with what is rigid, or with another layer.
 LayerContact contact_of(FootedLayer& source, FootedLayer* target = nullptr) {
   LayerContact contact;
-  contact.source = side(source);
-  if (target != nullptr) contact.target = side(*target);
+  contact.layers = {side(source)};
+  if (target != nullptr) contact.layers.push_back(side(*target));
   contact.area = source.areas();
   return contact;
 }
@@ -63,8 +63,7 @@ struct Bumpy {
     for (int i = 0; i < surface.size(); i += 11) share[i] = 0.0;  // not at all
     source_feet = test::covered(source.feet, share);
     target_feet = test::covered(target.feet, share);
-    contact.source = {&source.layer, &source_feet, {}};
-    contact.target = {&target.layer, &target_feet, {}};
+    contact.layers = {{&source.layer, &source_feet, {}}, {&target.layer, &target_feet, {}}};
     contact.area = source.areas().cwiseProduct(share);
     overlap =
         at_feet(surface, [](const Vector3d& x) { return 0.1 + 0.2 * std::sin(0.7 * x.x()) * std::cos(0.6 * x.y()); });
@@ -90,7 +89,7 @@ TEST(LayerContact, MeetsItsConditions) {
         if (large)
           w = large_sinking(b.source.layer, b.source_feet, r.pressure, softening) +
               large_sinking(b.target.layer, b.target_feet, r.pressure, softening);
-        EXPECT_LT((w - r.sunk_source - r.sunk_target).lpNorm<Eigen::Infinity>(), 1e-12 * w.maxCoeff()) << what;
+        EXPECT_LT((w - r.sunk[0] - r.sunk[1]).lpNorm<Eigen::Infinity>(), 1e-12 * w.maxCoeff()) << what;
         const VectorXd local = local_compliance(b.contact);
         const double peak = r.pressure.maxCoeff(), tolerance = 3e-9;
         int active = 0, bulged = 0;
@@ -365,8 +364,8 @@ TEST(LayerContact, LargeStrainOfLongWavesIsTheSprings) {
       const SpringResponse spring = spring_response(large ? Law::NeoHookean : Law::Linear, soft, other, 1.2, 2.1, 1.1);
       for (int i = 0; i < surface.size(); ++i) {
         EXPECT_NEAR(r.pressure[i] / spring.pressure, 1, 1e-7) << large;
-        EXPECT_NEAR(r.sunk_source[i] / 1.2, spring.strain_source, 1e-7) << large;
-        EXPECT_NEAR(r.sunk_target[i] / 2.1, spring.strain_target, 1e-7) << large;
+        EXPECT_NEAR(r.sunk[0][i] / 1.2, spring.strain_source, 1e-7) << large;
+        EXPECT_NEAR(r.sunk[1][i] / 2.1, spring.strain_target, 1e-7) << large;
       }
     }
   }
@@ -400,7 +399,7 @@ Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, 
                                         }));
   EXPECT_TRUE(r.converged);
   return {contact.area.dot(r.pressure) * (cylinder ? 2 / width : 4), r.pressure.maxCoeff(),
-          std::max(r.sunk_source.maxCoeff() / layers[0].second, 0.0)};
+          std::max(r.sunk[0].maxCoeff() / layers[0].second, 0.0)};
 }
 
 /// Depth of a sphere (cylinder) of radius R below its tip; 0: flat, < 0: hollow.
@@ -577,7 +576,7 @@ TEST(LayerContact, UnlikeMeshes) {
         const LayerOperator target =
             make_layer_operator(layer_mesh(below.mesh(), even(t), all(Rim::Continues)), {kE, nu}, LayerFit::TwoTerms);
         const LayerFeet feet = test::feet_on_underside(surface, below, target);
-        contact.target = {&target, &feet, {}};
+        contact.layers.at(1) = {&target, &feet, {}};
         const LayerPressure r = solve_contact(contact, overlap, {}, small_strain());
         ASSERT_TRUE(r.converged);
         const double force = contact.area.dot(r.pressure) / contact.area.dot(matched.pressure) - 1,
