@@ -194,32 +194,19 @@ TEST(KnownAnswers, TwoHalvesOfAContactAreTheWhole) {
       EXPECT_NEAR(std::abs(of.force.z()) / whole.force, 0.5, 0.002) << nu;
       EXPECT_NEAR(of.peak / whole.peak, 1, 0.002) << nu;
       EXPECT_NEAR(rim_lengths(halves.analysis.joint.contacts[at(c)].layers[0].face).shared, 28, 1e-9);
-      EXPECT_FALSE(of.uneven) << nu;
     }
   }
 }
 
-// Divided at the edge of contact instead, the left part carries all, and the mirror image of its edge stands for
-// cartilage that nothing presses: too stiff, and told with what each part presses there.
-TEST(KnownAnswers, ContactsSideBySideThatPressUnevenlyAreTold) {
+// Divided at the edge of contact instead, the left part carries all: what it squeezes flows on under the right one.
+TEST(KnownAnswers, WhereALayerIsDividedDoesNotMatter) {
   for (double nu : kNus) {
     const Solved whole = SlabUnderBall(nu).run();
     const DividedSlab parts(nu, 3);
     const ContactStatistics &left = parts.analysis.states.back().statistics[0],
                             &right = parts.analysis.states.back().statistics[1];
-    EXPECT_GT(std::abs(left.force.z() + right.force.z()), 1.001 * whole.force) << nu;
-    ASSERT_TRUE(left.uneven) << nu;
-    EXPECT_EQ(left.uneven->other, 1);
-    EXPECT_EQ(parts.model.surfaces[at(left.uneven->surface)].name, "left");
-    EXPECT_GT(left.uneven->own, 4 * left.uneven->beyond);
-    const std::vector<std::string> lines = dea::lines(test::findings_of(parts.model, parts.analysis));
-    EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
-                            [](const std::string& line) {
-                              return line.rfind("warning: contact \"left\": at time 1 it presses surface \"left\"",
-                                                0) == 0;
-                            }),
-              1)
-        << nu;
+    EXPECT_NEAR(std::abs(left.force.z() + right.force.z()) / whole.force, 1, 1e-6) << nu;
+    EXPECT_NEAR(left.peak / whole.peak, 1, 1e-6) << nu;
   }
 }
 

@@ -59,7 +59,8 @@ struct Solved {
   /// Sum of area times f(foot) over the springs that press.
   template <class F>
   double sum(F f) const {
-    const SpringStates s = press_contact(analysis.beds.beds[0], end().poses).springs;
+    const SpringBed& bed = analysis.beds.beds[0];
+    const SpringStates s = press_springs(bed, end().poses[at(bed.source_body)], end().poses[at(bed.target_body)]);
     double total = 0.0;
     for (std::size_t i = 0; i < s.area.size(); ++i)
       if (s.pressure[i] > 0) total += s.area[i] * f(s.foot[i]);

@@ -487,7 +487,8 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
   EXPECT_TRUE(told_of(make_joint(model, given), "other-material-rigid"));
 }
 
-// Surfaces that share facets count these twice; surfaces side by side do not feel each other.
+// Surfaces that share facets, and surfaces side by side, are one layer, and none of springs that know nothing of each
+// other is told. Where their materials differ each goes alone, and that is told.
 TEST(Recognition, ContactsThatShareALayer) {
   for (const bool overlap : {true, false}) {
     JointModel model = flat_plates(4, 10, 2, 0.0);
@@ -503,18 +504,16 @@ TEST(Recognition, ContactsThatShareALayer) {
     const int secondary = model.contacts[0].secondary;
     model.surfaces.push_back(half);
     add_contact(model, "second", static_cast<int>(model.surfaces.size()) - 1, secondary);
-    if (overlap) {
-      const std::string why = refusal(model);
-      EXPECT_NE(why.find("8 facets of the same layer"), std::string::npos) << why;
-      for (const char* remedy : {"divide \"", "into surfaces that share no facet, one for each contact",
-                                 "make one contact of both", "keep one contact with contact"})
-        EXPECT_NE(why.find(remedy), std::string::npos) << why;
-      continue;
-    }
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.findings.size(), 1u);
-    EXPECT_EQ(joint.findings[0].code, "contacts-side-by-side");
-    EXPECT_FALSE(told_of(make_joint(model, linear()), "contacts-side-by-side"));  // springs know nothing of each other
+    EXPECT_EQ(joint.findings[0].code, "shared-layer");
+    ASSERT_EQ(joint.shared_layers.size(), 1u);
+    EXPECT_EQ(joint.shared_layers[0].pressed, 32);  // triangles, those of both once
+    EXPECT_EQ(joint.shared_layers[0].uses.size(), 2u);
+    EXPECT_TRUE(make_joint(model, linear()).findings.empty());
+    // 10 long, beside the other's facets; a selection in another one has none beside it that is its own
+    EXPECT_NEAR(rim_lengths(joint.contacts[1].layers[0].face).shared, 10, 1e-9);
+    EXPECT_NEAR(rim_lengths(joint.contacts[0].layers[0].face).shared, overlap ? 0 : 10, 1e-9);
   }
 }
 

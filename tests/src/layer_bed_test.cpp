@@ -154,7 +154,7 @@ TEST(LayerBed, FeetOnTheTarget) {
       target.center.z() += swapped ? -0.3 : 0.3;
       target.rotation = Eigen::AngleAxisd(0.013, Vector3d(1, 2, 0).normalized()).toRotationMatrix();
       const SpringStates s = press_springs(bed, source, target);
-      const LayerFeet feet = feet_on_target(bed, *bed.layers->target, s, source, target, 1e9);
+      const LayerFeet feet = feet_on_target(bed, s, source, target, 1e9);
       double total = 0, most = 0;
       for (int i = 0; i < s.size(); ++i) {
         const auto k = static_cast<std::size_t>(i);
