@@ -145,6 +145,10 @@ void bind_state(py::module_& m) {
              "xx yy zz xy yz xz at the centroids, 0 where no contact's cartilage is; []: without.",
              &inside_of)
       .value("statistics", "All numbers of the state by their names in JSON.", &statistics_of)
+      .value("layers",
+             "Layers that several contacts press: a dictionary each, with surfaces, contacts, body, headline and force "
+             "of all of them.",
+             [](const StateView& v) { return statistics_of(v)["layers"]; })
       .value("contacts", "Its contacts, in the order of the model.",
              [](const StateView& v) {
                return list_of(v.joint->contacts.size(), [&](std::size_t c) { return ContactView{v, c}; });

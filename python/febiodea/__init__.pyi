@@ -104,6 +104,7 @@ class State:
     displacements: Final[Array]
     inside: Final[list[dict[str, Any]]]
     statistics: Final[dict[str, Any]]
+    layers: Final[list[dict[str, Any]]]
     contacts: Final[list[Contact]]
     def contact(self, name: str = "") -> Contact: ...
 

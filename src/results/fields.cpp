@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -386,10 +388,38 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
   return fields;
 }
 
+/// The facets of all surfaces that press a layer.
+FieldMaps::SharedMap make_shared_map(const JointModel& model, const Joint& joint, const SharedLayer& layer) {
+  FieldMaps::SharedMap map;
+  Surface all;
+  std::map<std::vector<int>, int> numbers;  // by the facet's nodes, ascending
+  std::set<std::string> names;
+  for (const LayerUse& use : layer.uses) {
+    const Surface& surface = model.surfaces[at(joint.contacts[at(use.contact)].layers[use.side].surface)];
+    names.insert(surface.name);
+    map.facet.emplace_back();
+    for (int f = 0; f < surface.size(); ++f) {
+      const auto first = surface.nodes.begin() + surface.begin[at(f)],
+                 last = surface.nodes.begin() + surface.begin[at(f + 1)];
+      std::vector<int> key(first, last);
+      std::sort(key.begin(), key.end());
+      const auto [known, is_new] = numbers.emplace(std::move(key), static_cast<int>(numbers.size()));
+      map.facet.back().push_back(known->second);
+      if (!is_new) continue;
+      all.nodes.insert(all.nodes.end(), first, last);
+      all.begin.push_back(static_cast<int>(all.nodes.size()));
+    }
+  }
+  for (const std::string& name : names) all.name += (all.name.empty() ? "" : " + ") + name;
+  map.plotted = plotted_surface(model, all);
+  return map;
+}
+
 }  // namespace
 
 FieldMaps make_field_maps(const JointModel& model, const Joint& joint) {
   FieldMaps maps;
+  for (const SharedLayer& layer : joint.shared_layers) maps.shared.push_back(make_shared_map(model, joint, layer));
   for (const ContactPair& pair : joint.contacts) {
     RayCaster primary(pair.layers[0].articular), secondary(pair.layers[1].articular);
     FieldMaps::ContactMap map{

@@ -69,7 +69,13 @@ struct FieldMaps {
     RayCaster articular[2];  // primary, secondary
     ResultSurface plotted;   // the source's surface, as a plot file holds it
   };
+  /// A layer that several contacts press: the facets of all their surfaces, those that several have once.
+  struct SharedMap {
+    ResultSurface plotted;                ///< as a plot file would hold it
+    std::vector<std::vector<int>> facet;  ///< per use of the layer, per facet of its surface: number in `plotted`
+  };
   std::vector<ContactMap> contacts;
+  std::vector<SharedMap> shared;  ///< one per shared layer of the joint
 };
 FieldMaps make_field_maps(const JointModel& model, const Joint& joint);
 

@@ -17,6 +17,7 @@ struct StateResult {
   Equilibrium equilibrium;
   std::vector<ContactFields> fields;          ///< one per contact
   std::vector<ContactStatistics> statistics;  ///< one per contact
+  std::vector<LayerStatistics> layers;        ///< one per shared layer of the joint
   std::vector<Vector3d> displacements;        ///< one per model node
   std::vector<InsideDomain> inside;           ///< of deformable solid elements; empty: not asked for
 };

@@ -245,6 +245,25 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
   return all;
 }
 
+std::vector<LayerStatistics> layer_statistics(const Joint& joint, const FieldMaps& maps,
+                                              const std::vector<ContactFields>& fields) {
+  std::vector<LayerStatistics> all;
+  for (std::size_t k = 0; k < joint.shared_layers.size(); ++k) {
+    const FieldMaps::SharedMap& map = maps.shared[k];
+    LayerStatistics of;
+    of.pressure.assign(at(map.plotted.facets()), 0.0);
+    for (std::size_t u = 0; u < map.facet.size(); ++u) {
+      const LayerUse& use = joint.shared_layers[k].uses[u];
+      const std::vector<double>& pressure = fields[at(use.contact)].sides[use.side].pressure;
+      for (std::size_t f = 0; f < pressure.size(); ++f) of.pressure[at(map.facet[u][f])] += pressure[f];
+    }
+    of.headline = headline(map.plotted, plotted_values(of.pressure));
+    for (std::size_t f = 0; f < of.pressure.size(); ++f) of.force += of.pressure[f] * map.plotted.facet_areas[f];
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
 void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2> inside, ContactFields& fields,
                 ContactStatistics& statistics) {
   for (const int side : {0, 1}) {

@@ -56,6 +56,16 @@ struct ContactStatistics {
   std::optional<InsideEnds> inside[2];        ///< of the layers of source, target; none: not asked for, or no layer
 };
 
+/// Of a layer that several contacts press. Where it is pressed twice: PressedTwice of the equilibrium.
+struct LayerStatistics {
+  std::vector<double> pressure;  ///< per facet of FieldMaps::SharedMap::plotted: that of all contacts added up, >= 0
+  Headline headline;             ///< of this map
+  double force = 0.0;            ///< sum of p A over it
+};
+/// One per shared layer of the joint. `fields`: one per contact.
+std::vector<LayerStatistics> layer_statistics(const Joint& joint, const FieldMaps& maps,
+                                              const std::vector<ContactFields>& fields);
+
 /// The side of a contact whose compartments its results are told by: the one with springs if it has some, else the
 /// other; -1: both are one piece.
 int compartment_side(const ContactPair& pair);

@@ -124,6 +124,7 @@ void drop_fields(StateResult& state) {
       numbers.resultant_factor = side.resultant_factor;
       side = std::move(numbers);
     }
+  for (LayerStatistics& layer : state.layers) std::vector<double>().swap(layer.pressure);
   std::vector<InsideDomain>().swap(state.inside);
   std::vector<Vector3d>().swap(state.displacements);  // "= {}" would keep the memory
 }
@@ -134,6 +135,7 @@ void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMap
   const Equilibrium& e = state.equilibrium;
   state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
   state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
+  state.layers = layer_statistics(prepared.joint, maps, state.fields);
   if (inside == nullptr) return;
   InsideResults results = inside_results(*inside, prepared.joint, prepared.beds, e);
   for (std::size_t c = 0; c < results.contacts.size(); ++c)

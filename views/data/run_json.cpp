@@ -297,6 +297,23 @@ Json contact_json(const JointModel& model, const Joint& joint, const ContactPair
   return j;
 }
 
+/// A layer that several contacts press.
+Json layer_json(const JointModel& model, const Joint& joint, const SharedLayer& layer, const LayerStatistics& s) {
+  Json j = {{"surfaces", Json::array()}, {"contacts", Json::array()}};
+  for (const LayerUse& use : layer.uses) {
+    const ContactPair& pair = joint.contacts[at(use.contact)];
+    const std::string& surface = model.surfaces[at(pair.layers[use.side].surface)].name;
+    if (std::find(j["surfaces"].begin(), j["surfaces"].end(), surface) == j["surfaces"].end())
+      j["surfaces"].push_back(surface);
+    j["contacts"].push_back(pair.name);
+  }
+  j["body"] =
+      joint.bodies[at(joint.contacts[at(layer.uses.front().contact)].layers[layer.uses.front().side].body)].name;
+  j["headline"] = headline_json(s.headline);
+  j["force"] = json_number(s.force);
+  return j;
+}
+
 Json state_json(const JointModel& model, const Joint& joint, const StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   Json j;
@@ -332,6 +349,9 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
                            {"translation", json_vector(e.connector_motion[c].head<3>())},
                            {"rotation", json_vector(e.connector_motion[c].tail<3>())}});
   }
+  j["layers"] = Json::array();
+  for (std::size_t k = 0; k < state.layers.size(); ++k)
+    j["layers"].push_back(layer_json(model, joint, joint.shared_layers[k], state.layers[k]));
   return j;
 }
 

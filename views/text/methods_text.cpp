@@ -269,6 +269,12 @@ void say_contacts(Methods& m, const JointModel& model, const Settings& settings,
         in_quotes(model.surfaces[at(target.surface)].name), in_quotes(check.joint.bodies[at(target.body)].name),
         pair.refine > 1 ? fmt::format(", each triangle divided into {0} x {0}", pair.refine) : ""));
   }
+  for (const SharedLayer& layer : check.joint.shared_layers) {
+    std::vector<std::string> names;
+    for (const LayerUse& use : layer.uses) names.push_back(in_quotes(check.joint.contacts[at(use.contact)].name));
+    if (check.joint.contacts[at(layer.uses.front().contact)].law == Law::Layer)
+      m.say(fmt::format("Contacts {} pressed one layer of cartilage and were solved together.", listed(names)));
+  }
   // what contacts share is said once
   std::vector<std::string> laws;
   for (const ContactPair& pair : check.joint.contacts) {

@@ -88,6 +88,27 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
   return table;
 }
 
+/// A line per state and layer that several contacts press; no rows: there is none.
+Table layers_table(const Joint& joint, const FieldMaps& maps, const std::vector<StateResult>& states,
+                   const UnitNames& units) {
+  Table table;
+  table.headings = {"time", "surfaces", "body"};
+  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
+  table.headings.push_back(with_unit("force", units, Dimension::Force));
+  table.left = "rll" + std::string(table.headings.size() - 3, 'r');
+  for (const StateResult& state : states)
+    for (std::size_t k = 0; k < state.layers.size(); ++k) {
+      const LayerUse& use = joint.shared_layers[k].uses.front();
+      std::vector<std::string> row = {time_text(state.when.time), maps.shared[k].plotted.name,
+                                      joint.bodies[at(joint.contacts[at(use.contact)].layers[use.side].body)].name};
+      for (const HeadlineNumber& number : kHeadlineNumbers)
+        row.push_back(four_digits(state.layers[k].headline.*number.value));
+      row.push_back(four_digits(state.layers[k].force));
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
 /// A line per state, contact, side and end of its layer; no rows: the inside was not asked for.
 Table inside_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
@@ -263,6 +284,8 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
   std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states, units)}};
   if (Table compartments = compartments_table(joint, analysis.states, units); !compartments.rows.empty())
     tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
+  if (Table layers = layers_table(joint, analysis.maps, analysis.states, units); !layers.rows.empty())
+    tables.push_back({"layers that several contacts press; pressures and forces of all of them", std::move(layers)});
   if (Table inside = inside_table(joint, analysis.states, units); !inside.rows.empty())
     tables.push_back(
         {"inside the cartilage, where it is pressed; third principal strain: the least", std::move(inside)});
