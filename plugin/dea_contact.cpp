@@ -119,23 +119,32 @@ ADD_PARAMETER(nu_[1], "secondary_nu");
 ADD_PARAMETER(thickness_[1], "secondary_thickness")->setUnits(UNIT_LENGTH);
 END_FECORE_CLASS();
 
-/// Everything that follows from the reference configuration, and the springs at the last poses.
+/// Everything that follows from the reference configuration, and the springs at the last poses. Contacts that press one
+/// layer are one problem: each has all of them in its joint.
 struct FEDeaContact::Bed {
-  dea::JointModel model;  // with this contact alone
-  dea::Joint joint;       // this contact alone
+  dea::JointModel model;  // with these contacts alone
+  dea::Joint joint;       // the same
   dea::SpringBeds beds;
   dea::FieldMaps maps;
+  std::vector<FEDeaContact*> members;           // per contact of the joint; not owned
+  std::size_t own = 0;                          // place of this contact among them
+  std::vector<FERigidBody*> rigid;              // per body of the joint; null: of none of these contacts
   FERigidBody* bodies[2] = {nullptr, nullptr};  // target, source
-  dea::Pose poses[2];                           // of the evaluation below: target, source
+  // of the evaluation below
+  std::vector<dea::Pose> poses;  // per body of the joint
+  std::vector<char> active;      // per contact
   bool evaluated = false;
-  dea::SpringStates springs;
-  dea::ContactWrench wrench;
-  dea::PressMemory memory;     // where the search for pressures starts
-  dea::StateResult shown;      // the fields in the surfaces; without statistics
-  bool output = false;         // it is there
-  dea::SolvedStates solution;  // states that FEBio has found, with what their rules look at
+  std::vector<dea::PressedContact> pressed;  // per contact
+  dea::PressMemory memory;                   // where the search for pressures starts
+  dea::StateResult shown;                    // the fields in the surfaces; without statistics
+  bool output = false;                       // it is there
+  dea::SolvedStates solution;                // states that FEBio has found, with what their rules look at
 
-  const dea::SpringBed& bed() const { return beds.beds.front(); }
+  const dea::SpringBed& bed() const { return beds.beds[own]; }
+  const dea::SpringStates& springs() const { return pressed[own].springs; }
+  const dea::ContactWrench& wrench() const { return pressed[own].wrench; }
+  const dea::Pose& source() const { return poses[at(bed().source_body)]; }
+  const dea::Pose& target() const { return poses[at(bed().target_body)]; }
 };
 
 FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), surfaces_{FEDeaSurface(fem), FEDeaSurface(fem)} {
@@ -151,65 +160,36 @@ FEDeaContact::~FEDeaContact() = default;
 
 namespace {
 
-/// Per facet, its nodes in rising order.
-std::set<std::vector<int>> facets_of(const dea::Surface& surface) {
-  std::set<std::vector<int>> facets;
-  for (int f = 0; f < surface.size(); ++f) {
-    std::vector<int> nodes(surface.nodes.begin() + surface.begin[at(f)],
-                           surface.nodes.begin() + surface.begin[at(f + 1)]);
-    std::sort(nodes.begin(), nodes.end());
-    facets.insert(std::move(nodes));
-  }
-  return facets;
-}
-
-/// Cartilage, as the contact states it; a bare surface may be pressed by several contacts.
-bool has_layer(const dea::Contact& c, int side) {
-  const dea::DeaLayer& layer = c.dea->layers[side];
-  return layer.E && !(layer.thickness && *layer.thickness == 0.0);
-}
-
-/// The facets that a layer of one contact shares with a layer of the other, where their other sides are on one body.
-/// `body_of`: per model node.
-int shared_facets(const dea::JointModel& model, const dea::Contact& a, const dea::Contact& b,
-                  const std::function<int(int)>& body_of) {
-  int shared = 0;
-  const int of_a[2] = {a.primary, a.secondary}, of_b[2] = {b.primary, b.secondary};
-  const auto body = [&](int surface) { return body_of(model.surfaces[at(surface)].nodes.front()); };
-  for (int i = 0; i < 2; ++i)
-    for (int k = 0; k < 2; ++k) {
-      if (!has_layer(a, i) || !has_layer(b, k) || body(of_a[i]) != body(of_b[k]) ||
-          body(of_a[1 - i]) != body(of_b[1 - k]))
-        continue;
-      const std::set<std::vector<int>> one = facets_of(model.surfaces[at(of_a[i])]);
-      for (const std::vector<int>& facet : facets_of(model.surfaces[at(of_b[k])]))
-        shared += static_cast<int>(one.count(facet));
-    }
-  return shared;
-}
-
-/// Two contacts of type dea on the same surfaces, or on the same facets of others, would count the cartilage twice.
-void refuse_doubled_contacts(const dea::JointModel& model, const std::function<int(int)>& body_of) {
-  const auto has_facets = [&](const dea::Contact& c) {
-    return model.surfaces[at(c.primary)].size() > 0 && model.surfaces[at(c.secondary)].size() > 0;
-  };
-  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+/// Two contacts of type dea on the same surfaces would share the load between them.
+void refuse_doubled_contacts(const dea::JointModel& model) {
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
-      if (!a.dea || !b.dea) continue;
-      if (dea::double_contact(a, b))
+      if (a.dea && b.dea && dea::double_contact(a, b))
         throw dea::fault_at(model, {0, 0},
                             fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
                                         "one",
                                         a.name, b.name));
-      if (!has_facets(a) || !has_facets(b) || !dea::at_same_time(a.step, b.step)) continue;
-      if (const int shared = shared_facets(model, a, b, body_of); shared > 0)
-        throw dea::fault_at(model, {0, 0},
-                            fmt::format("contacts \"{}\" and \"{}\" both press {} of the same layer's facets, which "
-                                        "would count twice; give each facet to one of them, or remove one",
-                                        a.name, b.name, shared));
+    }
+}
+
+/// The contacts that press layers together with contact `own`, itself among them, ascending.
+std::vector<int> pressed_together(const dea::Joint& joint, int own) {
+  std::set<int> together = {own};
+  for (std::size_t before = 0; before != together.size();) {
+    before = together.size();
+    for (const dea::SharedLayer& layer : joint.shared_layers) {
+      const auto is_in = [&](const dea::LayerUse& use) {
+        return together.count(joint.contacts[at(use.contact)].contact) > 0 &&
+               joint.contacts[at(use.contact)].law == dea::Law::Layer;
+      };
+      if (std::none_of(layer.uses.begin(), layer.uses.end(), is_in)) continue;
+      for (const dea::LayerUse& use : layer.uses)
+        if (joint.contacts[at(use.contact)].law == dea::Law::Layer)
+          together.insert(joint.contacts[at(use.contact)].contact);
     }
   }
+  return {together.begin(), together.end()};
 }
 
 /// A line each below the heading.
@@ -236,16 +216,8 @@ bool FEDeaContact::guarded(Action action) {
   return false;
 }
 
-void FEDeaContact::build() {
-  auto bed = std::make_unique<Bed>();
-  FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
-  dea::JointModel model = dea::read_fe_model(fem);
-  FEMesh& mesh = fem.GetMesh();
-  refuse_doubled_contacts(model, [&](int node) { return mesh.Node(node).m_rid; });
-  model.contacts = {statement(model)};  // the others have nothing to do with this one
-  int rigid_bodies[2];
-  for (int side = 0; side < 2; ++side) {
-    FEDeaSurface& surface = surfaces_[side];
+void FEDeaContact::refuse_other_nodes(const dea::JointModel& model) {
+  for (FEDeaSurface& surface : surfaces_) {
     int body = -1;
     for (int k = 0; k < surface.Nodes(); ++k) {
       const int b = surface.Node(k).m_rid;
@@ -258,17 +230,50 @@ void FEDeaContact::build() {
                         b < 0 ? "no rigid body" : "another rigid body than the nodes before it"));
       body = b;
     }
-    rigid_bodies[side] = body;
   }
+}
+
+void FEDeaContact::build() {
+  auto bed = std::make_unique<Bed>();
+  FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
+  dea::JointModel model = dea::read_fe_model(fem);
+  refuse_doubled_contacts(model);
+  refuse_other_nodes(model);
+  std::vector<FEDeaContact*> all;
+  model.contacts.clear();  // contacts of other types have nothing to do with these
+  for (int i = 0; i < fem.SurfacePairConstraints(); ++i)
+    if (auto* contact = dynamic_cast<FEDeaContact*>(fem.SurfacePairConstraint(i))) {
+      all.push_back(contact);
+      model.contacts.push_back(contact->statement(model));
+    }
   const dea::Settings settings;
+  const auto own = std::find(all.begin(), all.end(), this) - all.begin();
+  std::vector<int> together = {static_cast<int>(own)};
+  if (all.size() > 1) together = pressed_together(dea::make_joint(model, settings), together.front());
+  std::vector<dea::Contact> contacts;
+  for (const int c : together) contacts.push_back(model.contacts[at(c)]);
+  model.contacts = std::move(contacts);
   bed->joint = dea::make_joint(model, settings);
-  dea::ContactPair& pair = bed->joint.contacts.front();
+  bed->rigid.assign(bed->joint.bodies.size(), nullptr);
+  for (const dea::ContactPair& pair : bed->joint.contacts) {
+    FEDeaContact* member = all[at(together[at(pair.contact)])];
+    if (member == this) bed->own = bed->members.size();
+    bed->members.push_back(member);
+    for (const dea::Layer& layer : pair.layers) {
+      const int rigid = fem.GetMesh().Node(layer.articular.model_nodes.front()).m_rid;
+      if (rigid < 0)
+        throw dea::fault_at(model, pair.origin,
+                            fmt::format("contact \"{}\": a surface of it belongs to no rigid body", pair.name));
+      bed->rigid[at(layer.body)] = fem.GetRigidBody(rigid);
+      // FEBio's own centre of mass, about which its equations are written
+      bed->joint.bodies[at(layer.body)].center_of_mass = from_fe(bed->rigid[at(layer.body)]->m_r0);
+    }
+  }
+  bed->pressed.resize(bed->members.size());
+  const dea::ContactPair& pair = bed->joint.contacts[bed->own];
   for (int side = 0; side < 2; ++side) {
     surfaces_[side].set_layer(pair.layers[side]);
-    FERigidBody* rigid = fem.GetRigidBody(rigid_bodies[side]);
-    bed->bodies[side == pair.source ? 1 : 0] = rigid;
-    // FEBio's own centre of mass, about which its equations are written
-    bed->joint.bodies[at(pair.layers[side].body)].center_of_mass = from_fe(rigid->m_r0);
+    bed->bodies[side == pair.source ? 1 : 0] = bed->rigid[at(pair.layers[side].body)];
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
@@ -288,7 +293,7 @@ void FEDeaContact::build() {
       text +=
           fmt::format("; {} of {} normals met no bone, closest points used", layer.missed_count(), layer.missed.size());
     if (side == pair.source)
-      text += fmt::format("; carries {} springs, law {}", bed->beds.beds.front().springs.size(), dea::name(pair.law));
+      text += fmt::format("; carries {} springs, law {}", bed->bed().springs.size(), dea::name(pair.law));
     text += "\n";
   }
   dea::log_text(fem, text);
@@ -393,7 +398,11 @@ dea::Pose pose_of(const FERigidBody& body, double alpha) {
 /// False where Newton's method has thrown a body out of all proportion, or its pose is no number: no ray can be cast.
 bool usable(const dea::Pose& pose) { return (pose.center.array().abs() < 1e15).all() && pose.rotation.allFinite(); }
 
-bool same(const dea::Pose& a, const dea::Pose& b) { return a.center == b.center && a.rotation == b.rotation; }
+bool same(const std::vector<dea::Pose>& a, const std::vector<dea::Pose>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const dea::Pose& one, const dea::Pose& other) {
+    return one.center == other.center && one.rotation == other.rotation;
+  });
+}
 
 /// The twelve equations: target's six, source's six.
 std::vector<int> equations(FERigidBody* const bodies[2]) {
@@ -413,34 +422,57 @@ std::array<bool, 12> free_of(const std::vector<int>& lm) {
 
 bool FEDeaContact::evaluate(double alpha) {
   Bed& b = *bed_;
-  const dea::Pose target = pose_of(*b.bodies[0], alpha), source = pose_of(*b.bodies[1], alpha);
-  if (!usable(target) || !usable(source)) {  // FEBio gives the time step up and tries a shorter one
+  std::vector<dea::Pose> poses = dea::reference_poses(b.joint);
+  bool good = true;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (b.rigid[i] == nullptr) continue;
+    poses[i] = pose_of(*b.rigid[i], alpha);
+    good = good && usable(poses[i]);
+  }
+  b.pressed.resize(b.members.size());
+  if (!good) {  // FEBio gives the time step up and tries a shorter one
     b.evaluated = false;
-    b.wrench = {};
-    b.wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
+    b.pressed[b.own].wrench = {};
+    b.pressed[b.own].wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
     return false;
   }
-  if (!b.evaluated || !same(target, b.poses[0]) || !same(source, b.poses[1])) {
-    b.poses[0] = target;
-    b.poses[1] = source;
-    b.springs = dea::press_springs(b.bed(), source, target, {}, &b.memory);
-    b.wrench = dea::contact_wrench(b.springs, source, target);
+  std::vector<char> active;
+  for (const FEDeaContact* member : b.members) active.push_back(member == this || member->IsActive());
+  if (!b.evaluated || !same(poses, b.poses) || active != b.active) {
+    b.poses = std::move(poses);
+    b.active = std::move(active);
+    const auto knows = [&](const FEDeaContact* member) {  // one of them presses for all
+      return member->bed_ && member->bed_->evaluated && same(member->bed_->poses, b.poses) &&
+             member->bed_->active == b.active && member->bed_->members == b.members;
+    };
+    if (const auto other = std::find_if(b.members.begin(), b.members.end(), knows);
+        other != b.members.end() && *other != this) {
+      b.pressed = (*other)->bed_->pressed;
+    } else {
+      const std::vector<int>& group = b.beds.groups.front();  // of all
+      std::vector<dea::PressedContact> pressed =
+          dea::press_group(b.beds, group, b.poses, std::vector<dea::Motions>(b.members.size(), dea::kAllMotions),
+                           b.active, {}, &b.memory);
+      for (std::size_t k = 0; k < group.size(); ++k) b.pressed[at(group[k])] = std::move(pressed[k]);
+    }
     b.evaluated = true;
   }
-  const dea::SpringDepth depth = dea::spring_depth(b.springs);
+  const dea::SpringDepth depth = dea::spring_depth(b.springs());
   attempt_.too_deep = std::max(attempt_.too_deep, depth.strained + depth.through);
-  if (b.wrench.normal_force > 0 && !attempt_.met) {
+  if (b.wrench().normal_force > 0 && !attempt_.met) {
     attempt_.met = true;
     const std::array<bool, 12> free = free_of(equations(b.bodies));
-    attempt_.free = dea::free_motions(source, target, free);
-    attempt_.resisted = dea::resisted_motions(b.springs, source, target, free);
+    attempt_.free = dea::free_motions(b.source(), b.target(), free);
+    attempt_.resisted = dea::resisted_motions(b.springs(), b.source(), b.target(), free);
   }
   return true;
 }
 
 void FEDeaContact::BuildMatrixProfile(FEGlobalMatrix& matrix) {
   if (!bed_) return;
-  std::vector<int> lm = equations(bed_->bodies);
+  std::vector<int> lm;
+  for (FERigidBody* body : bed_->rigid)
+    if (body != nullptr) lm.insert(lm.end(), body->m_LM, body->m_LM + 6);
   matrix.build_add(lm);
 }
 
@@ -455,12 +487,12 @@ void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
     // FEBio stops at a residual that is no number
     if (lm[i] >= 0)
       R[lm[i]] +=
-          failed_ ? std::numeric_limits<double>::quiet_NaN() : bed_->wrench.wrench[static_cast<Eigen::Index>(i)];
+          failed_ ? std::numeric_limits<double>::quiet_NaN() : bed_->wrench().wrench[static_cast<Eigen::Index>(i)];
   }
   for (int b = 0; b < 2; ++b) {
     const Eigen::Index first = 6 * b;
-    bed_->bodies[b]->m_Fr -= to_fe(bed_->wrench.wrench.segment<3>(first));
-    bed_->bodies[b]->m_Mr -= to_fe(bed_->wrench.wrench.segment<3>(first + 3));
+    bed_->bodies[b]->m_Fr -= to_fe(bed_->wrench().wrench.segment<3>(first));
+    bed_->bodies[b]->m_Mr -= to_fe(bed_->wrench().wrench.segment<3>(first + 3));
   }
 }
 
@@ -475,8 +507,8 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
   guarded([&] {
     known = evaluate(time.alphaf);
     if (!known) return;
-    if (bed_->wrench.normal_force > 0) {
-      K = -time.alphaf * bed_->wrench.derivative;
+    if (bed_->wrench().normal_force > 0) {
+      K = -time.alphaf * bed_->wrench().derivative;
     } else {
       // All that acts on the bodies, what holds them apart (joints, ligaments) too: this stiffness goes as they
       // balance.
@@ -484,16 +516,24 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
       const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
       for (std::size_t i = 0; i < 12; ++i)
         if (free[i] && newton != nullptr) force[static_cast<Eigen::Index>(i)] = newton->m_R1[at(lm[i])];
-      K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], force, free);
+      K = dea::closing_stiffness(bed_->bed(), bed_->springs(), bed_->source(), bed_->target(), force, free);
     }
   });
   if (!known || failed_) return;
   if (system.IsSymmetric()) K = (0.5 * (K + K.transpose())).eval();
-  FEElementMatrix ke(12, 12);
-  for (int i = 0; i < 12; ++i)
-    for (int j = 0; j < 12; ++j) ke[i][j] = K(i, j);
-  ke.SetIndices(lm);
-  system.Assemble(ke);
+  const auto assemble = [&](const Eigen::Matrix<double, 12, 12>& block, const std::vector<int>& columns) {
+    FEElementMatrix ke(12, 12);
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) ke[i][j] = block(i, j);
+    ke.SetIndices(lm, columns);
+    system.Assemble(ke);
+  };
+  assemble(K, lm);
+  if (system.IsSymmetric()) return;  // a block beside the diagonal would need its mirror image
+  for (const dea::ContactWrench::Cross& other : bed_->wrench().cross) {
+    FERigidBody* const bodies[2] = {bed_->rigid[at(other.bodies.target)], bed_->rigid[at(other.bodies.source)]};
+    assemble(-time.alphaf * other.derivative, equations(bodies));
+  }
 }
 
 bool FEDeaContact::update_fields() {
@@ -503,26 +543,22 @@ bool FEDeaContact::update_fields() {
 
 void FEDeaContact::make_fields() {
   Bed& b = *bed_;
-  const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
-  const int at_target = b.bed().target_body, at_source = b.bed().source_body;
-  if (b.output && same(target, b.shown.equilibrium.poses[at(at_target)]) &&
-      same(source, b.shown.equilibrium.poses[at(at_source)]))
-    return;
   if (!evaluate(1.0)) return;
-  const dea::ContactPair& pair = b.joint.contacts.front();
+  if (b.output && same(b.poses, b.shown.equilibrium.poses)) return;
+  const dea::ContactPair& pair = b.joint.contacts[b.own];
   b.shown = {};
   dea::Equilibrium& e = b.shown.equilibrium;
-  e.poses = dea::reference_poses(b.joint);
-  e.poses[at(at_target)] = target;
-  e.poses[at(at_source)] = source;
-  e.springs = {b.springs};
-  e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
+  e.poses = b.poses;
+  for (const dea::PressedContact& contact : b.pressed) {
+    e.springs.push_back(contact.springs);
+    e.contact_on_target.push_back(contact.wrench.wrench.segment<6>(0));
+  }
   dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
   b.shown.fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     const dea::SurfaceMesh& mesh = layer.articular;
-    const dea::SideFields& values = b.shown.fields.front().sides[side];
+    const dea::SideFields& values = b.shown.fields[b.own].sides[side];
     std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
     for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
     std::vector<vec3d> tractions;
@@ -553,6 +589,7 @@ bool FEDeaContact::keep_state() {
     dea::StateResult state = b.shown;
     state.when = {GetFEModel()->GetCurrentTime(), GetFEModel()->GetCurrentStepIndex(), -1};
     state.statistics = dea::contact_statistics(b.joint, b.beds, b.maps, state.equilibrium, state.fields);
+    state.layers = dea::layer_statistics(b.joint, b.maps, state.fields);
     const std::array<bool, 12> free = free_of(equations(b.bodies));
     const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
     state.equilibrium.outcome = any_free ? dea::Outcome::Balanced : dea::Outcome::Prescribed;
@@ -560,10 +597,9 @@ bool FEDeaContact::keep_state() {
     states.push_back(std::move(state));
     b.solution.free_to_move.assign(b.joint.bodies.size(), 0);
     b.solution.free_to_turn = b.solution.free_to_move;
-    for (int i = 0; i < 12; ++i) {
-      const int body = i < 6 ? b.bed().target_body : b.bed().source_body;
-      if (free[at(i)]) (i % 6 < 3 ? b.solution.free_to_move : b.solution.free_to_turn)[at(body)] = 1;
-    }
+    for (std::size_t body = 0; body < b.rigid.size(); ++body)
+      for (int i = 0; b.rigid[body] != nullptr && i < 6; ++i)
+        if (b.rigid[body]->m_LM[i] >= 0) (i < 3 ? b.solution.free_to_move : b.solution.free_to_turn)[body] = 1;
   });
 }
 
@@ -592,8 +628,8 @@ void FEDeaContact::tell_results() {
 
 void FEDeaContact::warn_of_depth() {
   if (!bed_ || !IsActive() || !bed_->evaluated) return;
-  const dea::SpringStates& s = bed_->springs;
-  if (bed_->wrench.normal_force > 0) last_pressed_ = GetFEModel()->GetCurrentTime();
+  const dea::SpringStates& s = bed_->springs();
+  if (bed_->wrench().normal_force > 0) last_pressed_ = GetFEModel()->GetCurrentTime();
   const dea::SpringDepth depth = dea::spring_depth(s);
   if (depth.through > 0)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": under {} of {} springs the bodies overlap deeper "
@@ -641,13 +677,13 @@ void FEDeaContact::note_load() {
   for (const FEDeaContact* contact : contacts()) {
     if (!joins_the_bodies_of(*contact)) continue;
     const bool exchanged = contact->bed_->bodies[0] != bed_->bodies[0];
-    load.head<6>() -= contact->bed_->wrench.wrench.segment<6>(exchanged ? 6 : 0);
-    load.tail<6>() -= contact->bed_->wrench.wrench.segment<6>(exchanged ? 0 : 6);
+    load.head<6>() -= contact->bed_->wrench().wrench.segment<6>(exchanged ? 6 : 0);
+    load.tail<6>() -= contact->bed_->wrench().wrench.segment<6>(exchanged ? 0 : 6);
   }
   double force = 0.0;
   for (const std::size_t i : {0, 1, 2, 6, 7, 8})
     if (free[i]) force = std::hypot(force, load[static_cast<Eigen::Index>(i)]);
-  attempt_.opens = dea::opening_part(bed_->springs, load, free) > kOpens * force;
+  attempt_.opens = dea::opening_part(bed_->springs(), load, free) > kOpens * force;
 }
 
 void FEDeaContact::note_failure() {
@@ -668,7 +704,7 @@ void FEDeaContact::warn_of_failure() {
   const bool others_tell = std::any_of(all.begin(), all.end(), [&](const FEDeaContact* contact) {
     return contact->attempt_.met && (!attempt_.no_number || joins_the_bodies_of(*contact));
   });
-  const dea::SpringStates& s = bed_->springs;
+  const dea::SpringStates& s = bed_->springs();
   const int under_pressure = static_cast<int>(
       std::count_if(s.pressure.begin(), s.pressure.end(), [](double pressure) { return pressure > 0; }));
   const int loose = attempt_.free - attempt_.resisted;

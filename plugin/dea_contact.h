@@ -2,7 +2,8 @@
 // bodies.
 //
 // What is said in the model becomes a dea::Contact; recognition, springs, forces and their derivative are those of
-// src/ (press_springs, contact_wrench). Only the bodies' twelve equations are assembled.
+// src/ (press_group, contact_wrench). Only the bodies' equations are assembled: twelve of a contact, and of
+// contacts that press one layer those of all their bodies.
 #pragma once
 #include <FEBioMech/FEContactInterface.h>
 #include <FEBioMech/FEContactSurface.h>
@@ -69,7 +70,8 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
  private:
   struct Bed;
   void build();
-  std::vector<const FEDeaContact*> contacts() const;  // of type dea that act now, this one too
+  void refuse_other_nodes(const dea::JointModel& model);  // of a side, that are not all one rigid body's
+  std::vector<const FEDeaContact*> contacts() const;      // of type dea that act now, this one too
   bool joins_the_bodies_of(const FEDeaContact& other) const;
   template <class Action>
   bool guarded(Action action);  // a fault goes to the log: no exception leaves the library

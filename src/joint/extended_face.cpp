@@ -95,17 +95,16 @@ LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carrie
   return as_thick_as(said, articular, bone) ? boundary : LayerBoundary{};
 }
 
-bool is_pressed_by_others(const ContactSide& in, const Layer& layer) {
+bool is_pressed_by_others(const ContactSide& in, const LayerBoundary& boundary) {
   const JointModel& model = in.parts.model;
   const std::string& chosen = in.parts.settings.contact;
-  const std::vector<int>& nodes = layer.region_nodes.empty() ? layer.articular.model_nodes : layer.region_nodes;
   std::set<int> own;  // filled where there is another contact at all
   for (const Contact& other : model.contacts) {
     if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 ||
         !at_same_time(other.step, in.contact.step) || (!chosen.empty() && other.name != chosen) ||
         (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
       continue;
-    if (own.empty()) own.insert(nodes.begin(), nodes.end());
+    if (own.empty()) own.insert(boundary.faces.nodes.begin(), boundary.faces.nodes.end());
     for (const int index : {other.primary, other.secondary}) {
       const std::vector<int>& of = model.surfaces[at(index)].nodes;
       if (index != in.index && std::any_of(of.begin(), of.end(), [&](int node) { return own.count(node) > 0; }))
@@ -128,7 +127,7 @@ void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface&
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular, deepest,
-                         is_pressed_by_others(in, layer), parts.holders.held_components, in.in_plane);
+                         is_pressed_by_others(in, boundary), parts.holders.held_components, in.in_plane);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   layer.face.thickness = layer.thickness;

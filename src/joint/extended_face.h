@@ -19,9 +19,9 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
 LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carried, const Layer& layer,
                              const std::vector<double>& map);
 
-/// Do other contacts that act at the same time press the layer, with surfaces of their own? Then its face is followed
-/// to its end.
-bool is_pressed_by_others(const ContactSide& in, const Layer& layer);
+/// Do other contacts that act at the same time press these elements, with surfaces of their own? Then the layer's face
+/// is followed to its end.
+bool is_pressed_by_others(const ContactSide& in, const LayerBoundary& boundary);
 
 /// Fills the face of a layer with elements. Gaps and thickness of the selection stay its own: at its rim they know the
 /// facets on one side only.

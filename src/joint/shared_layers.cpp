@@ -85,7 +85,8 @@ bool share_nodes(std::vector<int> a, std::vector<int> b) {
 
 /// Nodes by which layers are told to hang together.
 const std::vector<int>& nodes_of(const Layer& layer) {
-  return layer.region_nodes.empty() ? layer.articular.model_nodes : layer.region_nodes;
+  if (!layer.region_nodes.empty()) return layer.region_nodes;
+  return layer.face.mesh.size() > 0 ? layer.face.mesh.model_nodes : layer.articular.model_nodes;
 }
 
 /// Does what one side presses flow to where the other presses?
