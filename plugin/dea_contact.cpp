@@ -558,7 +558,11 @@ void FEDeaContact::make_fields() {
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     const dea::SurfaceMesh& mesh = layer.articular;
-    const dea::SideFields& values = b.shown.fields[b.own].sides[side];
+    std::vector<const dea::SideFields*> sides;  // FEBio writes a surface once, from the first contact that has it
+    for (std::size_t c = 0; c < b.joint.contacts.size(); ++c)
+      for (int of = 0; of < 2; ++of)
+        if (b.joint.contacts[c].layers[of].surface == layer.surface) sides.push_back(&b.shown.fields[c].sides[of]);
+    const dea::SideFields values = dea::added_sides(sides);
     std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
     for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
     std::vector<vec3d> tractions;

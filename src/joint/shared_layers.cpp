@@ -223,7 +223,9 @@ SharedLayer share(const JointModel& model, std::vector<ContactPair>& contacts, c
   shared.pressed = static_cast<int>(pressed.size());
   shared.area.assign(pressed.size(), 0.0);
   std::vector<const Layer*> layers;
+  std::set<std::string> names;
   for (const Side* side : sides) {
+    names.insert(model.surfaces[at(side->layer->surface)].name);
     LayerUse use{side->contact, side->side, {}, {}};
     const SurfaceMesh& mesh = side->layer->spring_surface();
     for (int t = 0; t < mesh.size(); ++t) {
@@ -235,6 +237,7 @@ SharedLayer share(const JointModel& model, std::vector<ContactPair>& contacts, c
     shared.uses.push_back(std::move(use));
     layers.push_back(side->layer);
   }
+  for (const std::string& name : names) shared.name += (shared.name.empty() ? "" : " + ") + name;
   if (layers.front()->springs_at == SpringsAt::Bone) return shared;
   shared.face = merged_face(model, layers, pressed);
   for (const Side* side : sides) mark_others(shared, pressed, contacts[at(side->contact)].layers[side->side]);

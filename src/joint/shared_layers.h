@@ -1,6 +1,7 @@
 // src/joint/shared_layers.h – layers of cartilage that several contacts press: tibia medial, lateral and patella on a
 // femur, two heads in one fossa.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "src/base/finding.h"
@@ -22,6 +23,7 @@ struct LayerUse {
 
 /// A layer that two or more contacts press at the same time. Numbers do not depend on the order of the contacts.
 struct SharedLayer {
+  std::string name;  ///< of its surfaces: "medial + lateral"
   std::vector<LayerUse> uses;
   int pressed = 0;           ///< triangles of all uses' spring surfaces together, those that several have counted once
   std::vector<double> area;  ///< per such triangle

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -393,10 +392,9 @@ FieldMaps::SharedMap make_shared_map(const JointModel& model, const Joint& joint
   FieldMaps::SharedMap map;
   Surface all;
   std::map<std::vector<int>, int> numbers;  // by the facet's nodes, ascending
-  std::set<std::string> names;
+  all.name = layer.name;
   for (const LayerUse& use : layer.uses) {
     const Surface& surface = model.surfaces[at(joint.contacts[at(use.contact)].layers[use.side].surface)];
-    names.insert(surface.name);
     map.facet.emplace_back();
     for (int f = 0; f < surface.size(); ++f) {
       const auto first = surface.nodes.begin() + surface.begin[at(f)],
@@ -410,7 +408,6 @@ FieldMaps::SharedMap make_shared_map(const JointModel& model, const Joint& joint
       all.begin.push_back(static_cast<int>(all.nodes.size()));
     }
   }
-  for (const std::string& name : names) all.name += (all.name.empty() ? "" : " + ") + name;
   map.plotted = plotted_surface(model, all);
   return map;
 }

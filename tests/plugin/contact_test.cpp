@@ -129,21 +129,21 @@ TEST(ContactDea, SamplesAsDeaRunSolvesThem) {
   }
 }
 
-/// The sample with two plateaus with a contact for each, both with the whole surface of the femur. `femur_first`: it is
-/// the primary one, and carries the springs.
-std::string plateaus_with_two_contacts(bool femur_first) {
-  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "plateaus" / "plateaus.feb");
-  const std::size_t begin = text.find("<Surface name=\"tibia_articular\">"), end = text.find("</Surface>", begin) + 11;
+/// The sample with a sphere on a flat layer, the sphere in two halves: each has a contact with the whole layer.
+/// `layer_first`: it is the primary one, and carries the springs.
+std::string two_halves_on_one_layer(bool layer_first) {
+  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "sphere_on_flat" / "sphere_on_flat.feb");
+  const std::size_t begin = text.find("<Surface name=\"sphere_articular\">"), end = text.find("</Surface>", begin) + 11;
   std::vector<std::string> lines = lines_of(text.substr(begin, end - begin));
   const std::size_t facets = lines.size() - 2;
   std::string halves, pairs;
   for (const bool second : {false, true}) {
-    const std::string name = second ? "lateral" : "medial";
+    const std::string name = second ? "right" : "left";
     halves += "<Surface name=\"" + name + "\">\n";
     for (std::size_t f = 0; f < facets / 2; ++f) halves += lines[1 + f + (second ? facets / 2 : 0)] + "\n";
     halves += "</Surface>\n";
     pairs += fmt::format("<SurfacePair name=\"{0}\"><primary>{1}</primary><secondary>{2}</secondary></SurfacePair>\n",
-                         name, femur_first ? "femur_articular" : name, femur_first ? name : "femur_articular");
+                         name, layer_first ? "base_articular" : name, layer_first ? name : "base_articular");
   }
   text.replace(begin, end - begin, halves);
   const std::size_t pair = text.find("<SurfacePair name=\"joint\">"), after = text.find("</SurfacePair>", pair) + 15;
@@ -151,7 +151,7 @@ std::string plateaus_with_two_contacts(bool femur_first) {
   const std::size_t contact = text.find("<contact name=\"joint\""), last = text.find("</contact>", contact) + 11;
   const std::string one = text.substr(contact, last - contact);
   std::string contacts;
-  for (const char* name : {"medial", "lateral"}) {
+  for (const char* name : {"left", "right"}) {
     std::string of = one;
     replace(of, "name=\"joint\"", fmt::format("name=\"{}\"", name));
     replace(of, "surface_pair=\"joint\"", fmt::format("surface_pair=\"{}\"", name));
@@ -164,8 +164,8 @@ std::string plateaus_with_two_contacts(bool femur_first) {
 // Contacts that press one layer are one problem there, too.
 TEST(ContactDea, ContactsThatShareALayerAsDeaRunSolvesThem) {
   const TemporaryFolder folder;
-  for (const bool femur_first : {true, false}) {
-    write(folder.path / "shared.feb", plateaus_with_two_contacts(femur_first));
+  for (const bool layer_first : {true, false}) {
+    write(folder.path / "shared.feb", two_halves_on_one_layer(layer_first));
     expect_the_same_equilibrium(folder.path, "shared.feb");
   }
 }

@@ -89,8 +89,7 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
 }
 
 /// A line per state and layer that several contacts press; no rows: there is none.
-Table layers_table(const Joint& joint, const FieldMaps& maps, const std::vector<StateResult>& states,
-                   const UnitNames& units) {
+Table layers_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
   table.headings = {"time", "surfaces", "body"};
   for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
@@ -99,7 +98,7 @@ Table layers_table(const Joint& joint, const FieldMaps& maps, const std::vector<
   for (const StateResult& state : states)
     for (std::size_t k = 0; k < state.layers.size(); ++k) {
       const LayerUse& use = joint.shared_layers[k].uses.front();
-      std::vector<std::string> row = {time_text(state.when.time), maps.shared[k].plotted.name,
+      std::vector<std::string> row = {time_text(state.when.time), joint.shared_layers[k].name,
                                       joint.bodies[at(joint.contacts[at(use.contact)].layers[use.side].body)].name};
       for (const HeadlineNumber& number : kHeadlineNumbers)
         row.push_back(four_digits(state.layers[k].headline.*number.value));
@@ -284,7 +283,7 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
   std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states, units)}};
   if (Table compartments = compartments_table(joint, analysis.states, units); !compartments.rows.empty())
     tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
-  if (Table layers = layers_table(joint, analysis.maps, analysis.states, units); !layers.rows.empty())
+  if (Table layers = layers_table(joint, analysis.states, units); !layers.rows.empty())
     tables.push_back({"layers that several contacts press; pressures and forces of all of them", std::move(layers)});
   if (Table inside = inside_table(joint, analysis.states, units); !inside.rows.empty())
     tables.push_back(
