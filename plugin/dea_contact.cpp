@@ -647,6 +647,16 @@ void FEDeaContact::warn_of_depth() {
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
                                                 "{:.3g}); their pressures mean nothing",
                                                 GetName(), depth.strained, dea::kStrainLimit, depth.largest));
+  if (bed_->members.front() != this) return;  // one tells of all that press the layer
+  std::vector<dea::SpringStates> springs;
+  for (const dea::PressedContact& contact : bed_->pressed) springs.push_back(contact.springs);
+  const dea::PressedTwice twice = dea::pressed_twice(bed_->joint, bed_->beds, springs, bed_->poses);
+  if (twice.share > dea::kMostTwice)
+    dea::log_warning(
+        *GetFEModel(),
+        fmt::format("dea: contact \"{}\" and others press {:.3g} of one layer at once, with {:.3g}, {:.0f}% of "
+                    "the force on it: the load counts twice there, and the pressures mean nothing",
+                    GetName(), twice.area, twice.force, 100 * twice.share));
 }
 
 std::vector<const FEDeaContact*> FEDeaContact::contacts() const {
