@@ -116,12 +116,15 @@ int build(const BuildArguments& a) {
   if (a.output == "-") throw UsageError("-o -: the table goes to standard output, give the model a name");
   BuildInputs inputs = build_inputs(a);
   require_page_name("--report", a.report);
-  const HeldOutputs held = claim_outputs(inputs.files, {{"-o", a.output},
-                                                        {"--json", a.json},
-                                                        {"--report", a.report},
-                                                        {"--frames", a.frames},
-                                                        {"--hip-figure", a.hip_figure}});
-  if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, ModelOf::Build));
+  const std::vector<NamedPath> others = {
+      {"--json", a.json}, {"--report", a.report}, {"--frames", a.frames}, {"--hip-figure", a.hip_figure}};
+  std::vector<NamedPath> outputs = others;
+  outputs.insert(outputs.begin(), {"-o", a.output});
+  const HeldOutputs held = claim_outputs(inputs.files, outputs);
+  if (!a.overwrite) {
+    refuse_to_replace("-o", a.output, why_kept_model(a.output, ModelOf::Build));
+    refuse_to_replace(others);
+  }
   Progress progress(progress_style(a.quiet, false));
   std::vector<std::string> questions;  // told before what may take long
   if (const std::string odd = modulus_question(inputs.model); !odd.empty()) {

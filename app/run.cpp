@@ -192,6 +192,9 @@ int run(const RunArguments& a) {
   if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   const HeldOutputs held = claim_outputs(files, outputs);
+  std::vector<NamedPath> others = outputs;
+  std::erase_if(others, [&](const NamedPath& file) { return file.path == output; });
+  if (!a.overwrite) refuse_to_replace(others);
   files.insert(files.end(), outputs.begin(), outputs.end());
   const std::string name_note = output.empty() ? "" : plot_name_note(output_option, output);
   const bool replaces = would_replace(output);
@@ -205,7 +208,7 @@ int run(const RunArguments& a) {
   tell_cost(recognition, quiet, progress);
   Findings told;
   options.on_times = [&](const std::vector<double>& times) {
-    if (!output.empty() && !a.overwrite) refuse_to_replace(output, why_kept(output, recognition.model, times));
+    if (!a.overwrite) refuse_to_replace("-o", output, why_kept(output, recognition.model, times));
     if (!quiet) told = tell_of_model(recognition, a.findings, progress);
   };
   if (!page.empty()) {

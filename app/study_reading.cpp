@@ -123,6 +123,7 @@ int read_study(const StudyArguments& a, const std::string& path) {
   std::vector<NamedPath> inputs = {{"the study", path}};
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
   const HeldOutputs held = claim_outputs(inputs, written_beside(a));
+  if (!a.overwrite) refuse_to_replace(written_beside(a));
   if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
   return end_study(head, a, "");
 }
@@ -139,6 +140,7 @@ int merge_shards(const StudyArguments& a) {
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (has_content(a.output) && !a.overwrite)
     throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));
+  if (!a.overwrite) refuse_to_replace(written_beside(a));
   for (const std::string& file : a.files) read_study_head(file);
   const MergedStudies merged = merge_studies(a.files, a.output);
   const int code =

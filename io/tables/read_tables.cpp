@@ -398,12 +398,11 @@ PoseStart pose_start(const NumberTable& table, const MotionTable& motion) {
 /// Where the model is taken to have the body before it moves.
 std::string start_in_words(const PoseStart& start, const MotionTable& motion, bool relative) {
   if (start.row < 0)
-    return relative ? "the model's coordinates of each of the two bodies are taken as those of its own frame"
-                    : "the model's coordinates of the body are taken as those of its own frame";
-  const std::string at_time = fmt::format("as the row at time {} has it", time_text(motion.time[at(start.row)]));
-  if (!relative) return "the model is taken to have the body " + at_time;
-  return fmt::format("the model is taken to have the body {}, in axes of {}", at_time,
-                     start.in_ground ? "the table" : "the other body");
+    return fmt::format("the model has {} in its own frame", relative ? "each of the two bodies" : "the body");
+  const std::string row = fmt::format("as the row at time {}", time_text(motion.time[at(start.row)]));
+  if (!relative) return "the model has the body " + row;
+  return start.in_ground ? fmt::format("the model has both bodies {}, in the table's axes", row)
+                         : fmt::format("the model has the body {}, in the other body's frame", row);
 }
 
 /// What the matrices' last columns are multiplied by. InputError: what their names say is another unit.
@@ -454,7 +453,7 @@ void read_matrices(const JointModel& model, const NumberTable& table, const std:
   }
   motion.turns = motion.about_origin = true;
   motion.words = fmt::format(
-      "{} {}; {}",
+      "{} {} ({})",
       table_in_words(table, "matrices " + names[0] + (relative ? " relative to " + names[1] : ""), motion.time),
       scale.words, start_in_words(start, motion, relative));
 }

@@ -115,7 +115,7 @@ Findings row_findings(const JointModel& model, const Joint& joint, const Setting
                      {.body = s.motion.body},
                      {{"table", s.motion.words.empty() ? "a table" : s.motion.words},
                       {"rotations", !s.motion.turns         ? ", translations alone"
-                                    : s.motion.about_origin ? ", by 4x4 matrices"
+                                    : s.motion.about_origin ? ""
                                     : s.motion.rotation == "vector"
                                         ? ", rotation vectors"
                                         : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation)},
