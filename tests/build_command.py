@@ -511,7 +511,7 @@ def landmarks_in_another_unit_are_refused(folder):
     folder.write("metres.csv", folder.read("metres.csv") + "HJC,0,0,0.5\n")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "-q")
     same(done.returncode, 3, done.stderr)
-    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (landmark-units)"):
+    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (--landmark-units m)"):
         true(words.replace("from", "away from") in done.stderr, f"{words}: {done.stderr}")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "--landmark-units", "m", "-q")
     same(done.returncode, 0, done.stderr)
