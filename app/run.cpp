@@ -64,10 +64,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       add_output(o);
   }
   add_overwrite_flag(*c, a.overwrite);
-  CLI::Option* q = add_findings_options(*c, a.findings);
+  add_findings_options(*c, a.findings);
   c->add_flag("-v,--verbose", a.verbose,
               "Also print every iteration, and a line per state: iterations, residual, seconds")
-      ->excludes(q)
       ->group("Output");
   c->add_flag("--details", a.details, "Print more numbers of every contact and state, with their full names")
       ->group("Output");
@@ -169,7 +168,7 @@ void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings
 
 int run(const RunArguments& a) {
   const bool quiet = quiet_altogether(a.findings);
-  check_codes(a.findings);
+  check_codes(a.findings, a.verbose);
   const double start = seconds();
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;

@@ -74,8 +74,8 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
                "Also keep pressures at the nodes in the file, or a plot file per case in the folder FILE_xplt");
   c->add_flag("--merge", a.merge, "Join the files of shards into that of -o")->group("Output");
   add_overwrite_flag(*c, a.overwrite);
-  CLI::Option* q = add_findings_options(*c, a.findings);
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->excludes(q)->group("Output");
+  add_findings_options(*c, a.findings);
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->group("Output");
   add_study_report_options(*c, a);
   add_solving_options(*c, a.settings, a.threads);
   return c;
@@ -205,9 +205,11 @@ int dry_run(const StudyArguments& a) {
   StudyOptions options = study.options;
   options.workers = 1;
   std::vector<double> times;
+  std::vector<std::string> codes;  // of warnings
   std::string failed;
   options.done = [&](CaseResult&& result) {
     times.push_back(result.seconds);
+    for (const std::string& code : codes_of(result.warnings)) codes.push_back(code);
     if (result.outcome != CaseResult::Outcome::Solved && failed.empty())
       failed = fmt::format("case {}: {}: {}", result.number, case_words(plan, result.number - 1), result.message);
     progress.step("solving a few", "", times.size(), few.size());
@@ -223,13 +225,15 @@ int dry_run(const StudyArguments& a) {
                     plural(static_cast<std::size_t>(study.options.workers), "thread"),
                     shard.of > 1 ? fmt::format(" for each of {} shards", shard.of) : ""));
   if (!failed.empty()) log("no solution: " + failed);
-  return failed.empty() ? kSolved : kNoSolution;
+  const bool refused = refused_codes(codes, a.findings);
+  return failed.empty() && !refused ? kSolved : kNoSolution;
 }
 
 }  // namespace
 
 int study(const StudyArguments& a) {
-  check_codes(a.findings);
+  check_codes(a.findings, a.verbose);
+  check_warning_codes(a.findings);
   if (a.merge) return merge_shards(a);
   for (const std::string& file : a.files)
     if (extension_of(file) == ".db" || is_database(file)) return read_study(a, file);

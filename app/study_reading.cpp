@@ -52,9 +52,9 @@ std::string numbered(const char* word, const std::string& numbers) {
   return fmt::format("{}{} {}", word, numbers.find_first_of(",-") == std::string::npos ? "" : "s", numbers);
 }
 
-/// How many cases have warnings, and one of them; empty: none has.
-std::string warned_line(const std::string& path) {
-  const StudyWarned warned = count_warned(path);
+/// How many cases have warnings that are not to be quiet, and one of them; empty: none has.
+std::string warned_line(const std::string& path, const std::vector<std::string>& quiet) {
+  const StudyWarned warned = count_warned(path, quiet);
   if (warned.cases == 0) return "";
   return fmt::format("{}: {} of {} with warnings, such as case {}: {}", path, warned.cases,
                      plural(count_cases(path).all(), "case"), warned.first, warned.text);
@@ -104,7 +104,7 @@ int end_study(const StudyHead& head, const StudyArguments& a, const std::string&
   write_study_report(a, head.path);
   if (!summary.empty() && !quiet_altogether(a.findings)) {
     log(summary);
-    if (const std::string warned = warned_line(head.path); !warned.empty()) log(warned);
+    if (const std::string warned = warned_line(head.path, a.findings.quiet); !warned.empty()) log(warned);
   }
   const std::string failed = failed_line(head);
   if (!failed.empty()) log(failed);
