@@ -595,6 +595,23 @@ def a_model_of_somebody_elses_stays(folder):
 
 
 @check
+def files_beside_the_model_that_are_somebody_elses_stay(folder):
+    """What dea build made gives way; frames with a user's settings are the user's."""
+    folder.write("l.csv", landmarks(0.3))
+    words = ("build", "-o", "own.feb", *JOINT, "--landmarks", "l.csv", "-q")
+    for option, name in (("--json", "b.json"), ("--report", "b.html"), ("--frames", "b.xml")):
+        folder.write(name, "mine\n")
+        done = folder.dea(*words, option, name)
+        same((done.returncode, folder.read(name)), (4, "mine\n"), done.stderr)
+        true(f"{name}: it is there already, not made by dea; --overwrite replaces it, {option} writes another" in done.stderr, done.stderr)
+        for more in (("--overwrite",), ()):
+            same(folder.dea(*words, option, name, *more).returncode, 0, (option, more))
+    frames = folder.read("b.xml")
+    folder.write("b.xml", frames.replace("</febiodea_settings>", "<law>linear</law></febiodea_settings>"))
+    same(folder.dea(*words, "--frames", "b.xml").returncode, 4, "frames with a setting")
+
+
+@check
 def options_that_no_joint_has_are_refused(folder):
     """Each by its own line, before a surface is read."""
     folder.write("points.csv", "x,y,z,thickness\n0,0,20,2\n")
