@@ -25,6 +25,16 @@ std::string type_of(const SettingOption& option) {
   return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
 }
 
+/// A setting's help, with the settings that it names as the command line has them.
+std::string help_of(const SettingOption& option) {
+  std::string text;
+  for (const std::string& part : split(option.help, '{')) {
+    const std::size_t end = part.find('}');
+    text += end == part.npos ? part : command_line_wording()({part.substr(0, end)}) + part.substr(end + 1);
+  }
+  return text;
+}
+
 void add_switch(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
   const auto add = [&](const std::string& name, const char* value, const char* help) {
     command
@@ -39,7 +49,7 @@ void add_switch(CLI::App& command, std::vector<std::string>& values, const Setti
 void add_value(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
   const bool several = option.key != nullptr || option.repeatable;
   // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
-  command.add_option(fmt::format("--{}", option.name), values, option.help)
+  command.add_option(fmt::format("--{}", option.name), values, help_of(option))
       ->type_name(type_of(option))
       ->allow_extra_args(false)
       ->group(option.group)

@@ -135,7 +135,7 @@ def settings_help():
             form = f'[({key}, (x, y, z){", DEGREES" if option["keyword"] == "rotate" else ""})]'
         else:
             form = f'{{{key}: {option["value"]}}}' if key else option["value"]
-        help = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda named: named[1].replace("-", "_"), option["help"])
+        help = re.sub(r"\{([a-z-]+)\}", lambda named: named[1].replace("-", "_"), option["help"])
         lines += [f'  {option["keyword"]}={form}', f'      {help.replace("; may be repeated", "")}']
         if option["keyword"] == "move":
             lines += ['  placements=[("rotate", "BODY", (x, y, z), DEGREES), ("move", "BODY", (x, y, z)), ...]',

@@ -434,7 +434,7 @@ std::vector<SettingOption> all_options() {
        "replace all that the model puts on that body at the end of its last step",
        [](S& s, Text, Text text) { s.loads.file = text; }, [](const S& s) { return word_or_nothing(s.loads.file); }},
       {"load-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body on which the loads act; at which point: see --load-at",
+       "The body on which the loads act; at which point: see {load-at}",
        [](S& s, Text, Text text) { s.loads.body = text; }, [](const S& s) { return word_or_nothing(s.loads.body); }},
       {"load-columns", nullptr, false, "FX,FY,FZ[,MX,MY,MZ]", nullptr, kTables,
        "Names of the columns [found by name: fx, force_x, ..._fx, mx, moment_x, ...]",
@@ -457,7 +457,7 @@ std::vector<SettingOption> all_options() {
        "in global axes; or 4x4 matrices, NAME_T11 to NAME_T44; these motions are prescribed",
        [](S& s, Text, Text text) { s.motion.file = text; }, [](const S& s) { return word_or_nothing(s.motion.file); }},
       {"motion-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body that the motion moves; it turns about its centre of mass or the point of --rotate-about",
+       "The body that the motion moves; it turns about its centre of mass or the point of {rotate-about}",
        [](S& s, Text, Text text) { s.motion.body = text; }, [](const S& s) { return word_or_nothing(s.motion.body); }},
       {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]|NAME_T[,OTHER_T]", nullptr, kTables,
        "Names of the columns; NAME_T: of 4x4 matrices, NAME_T11 to NAME_T44; NAME_T,OTHER_T: the body relative to the "
@@ -481,7 +481,7 @@ std::vector<SettingOption> all_options() {
        [](S& s, Text, Text text) { s.motion.start = parse_start(text); },
        [](const S& s) { return word_or_nothing(s.motion.start); }},
       {"frame", "name", false, "x,y,z/x,y,z/x,y,z", nullptr, kFrames,
-       "Axes x, y, z of a frame in global directions, for frame:NAME in --rotate, --move, --force and --load-frame; "
+       "Axes x, y, z of a frame in global directions, for frame:NAME in {rotate}, {move}, {force} and {load-frame}; "
        "`dea "
        "build` makes frames from landmarks; may be repeated",
        [](S& s, Text key, Text text) {
