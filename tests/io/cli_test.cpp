@@ -784,7 +784,7 @@ TEST_F(Cli, FileSizeLimitLeavesTheOlderResultAndNoTemporaryFile) {
 
 TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
   write_model();
-  write("r.json", "older");
+  write("r.json", "{\n \"schema\": \"dea.run/1\"\n}\n");  // of an older dea
   ASSERT_EQ(dea({"run", "flat.feb", "--json", "r.json", "-o", "/dev/null", "-q"}).code, 0);
   EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["schema"], "dea.run/1");
   EXPECT_EQ(files(), (Names{"flat.feb", "r.json"}));
