@@ -96,7 +96,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--frames", a.frames, "FILE.xml", "Output",
            "Also write the frames as a settings file for dea run and dea study: --settings FILE.xml");
   add_once(*c, "--hip-figure", a.hip_figure, "FILE.svg|png|pdf", "Output", "Also draw what was measured in the hip");
-  add_model_overwrite_flag(*c, a.overwrite, "one that dea build made");
+  add_overwrite_flag(*c, a.overwrite);
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Number of threads [all cores]");
   return c;

@@ -53,6 +53,9 @@ gait = (source / "samples/osteotomy/gait.csv").read_bytes()
 (tables / "markups").write_bytes(b"\6# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = id,x,y,z,label,defined\n1,1,2,3,hip,1\n2,0,0,0,knee,0\n")
 (tables / "json").write_bytes(b'\7{"markups": [{"coordinateSystem": "LPS", "controlPoints": [{"label": "RASIS", "position": [1.5, -2, 3e0], '
                              b'"positionStatus": "defined"}]}]}')
+matrix = [1, 0, 0, 0.1, 0, 0, -1, 2, 0, 1, 0, 3, 0, 0, 0, 1]
+(tables / "matrices").write_bytes(b"\x08time," + ",".join(f"femur_T{i}{j}" for i in range(1, 5) for j in range(1, 5)).encode()
+                                 + b"\n1," + ",".join(map(str, matrix)).encode() + b"\n")
 
 # One small shape in each format
 surfaces = folder("surfaces")

@@ -511,7 +511,7 @@ def landmarks_in_another_unit_are_refused(folder):
     folder.write("metres.csv", folder.read("metres.csv") + "HJC,0,0,0.5\n")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "-q")
     same(done.returncode, 3, done.stderr)
-    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (landmark-units)"):
+    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (--landmark-units m)"):
         true(words.replace("from", "away from") in done.stderr, f"{words}: {done.stderr}")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "--landmark-units", "m", "-q")
     same(done.returncode, 0, done.stderr)
@@ -592,6 +592,23 @@ def a_model_of_somebody_elses_stays(folder):
     for more in (("--overwrite",), ()):
         same(folder.dea("build", "-o", "mine.feb", *JOINT, "-q", *more).returncode, 0, more)
     true("Made by dea build" in folder.read("mine.feb"), "the mark")
+
+
+@check
+def files_beside_the_model_that_are_somebody_elses_stay(folder):
+    """What dea build made gives way; frames with a user's settings are the user's."""
+    folder.write("l.csv", landmarks(0.3))
+    words = ("build", "-o", "own.feb", *JOINT, "--landmarks", "l.csv", "-q")
+    for option, name in (("--json", "b.json"), ("--report", "b.html"), ("--frames", "b.xml")):
+        folder.write(name, "mine\n")
+        done = folder.dea(*words, option, name)
+        same((done.returncode, folder.read(name)), (4, "mine\n"), done.stderr)
+        true(f"{name}: it is there already, not made by dea; --overwrite replaces it, {option} writes another" in done.stderr, done.stderr)
+        for more in (("--overwrite",), ()):
+            same(folder.dea(*words, option, name, *more).returncode, 0, (option, more))
+    frames = folder.read("b.xml")
+    folder.write("b.xml", frames.replace("</febiodea_settings>", "<law>linear</law></febiodea_settings>"))
+    same(folder.dea(*words, "--frames", "b.xml").returncode, 4, "frames with a setting")
 
 
 @check
