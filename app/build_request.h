@@ -1,5 +1,6 @@
 // app/build_request.h – what `dea build` is asked for, from its options and the files they name.
 #pragma once
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,23 @@ struct CartilageFile {
   std::string path;
 };
 
+/// Landmarks, and the bone with which they are placed (-1: none).
+struct LandmarkSource {
+  int bone = -1;
+  std::string path;
+};
+
 /// What is to be read, and how.
 struct BuildSources {
   double scale = 1.0;  ///< of all coordinates, to mm; of landmarks: AnatomyRequest::landmark_scale
   std::vector<MirrorPlane> mirrors;
   std::vector<std::string> bones;  ///< as the request's
   std::vector<CartilageFile> outer, places, regions;
-  LoadTable loads;  ///< no file: none
+  LoadTable loads;                       ///< no file: none
+  MotionTable motion;                    ///< no file: none
+  std::vector<LandmarkSource> landmarks;
+  std::vector<char> placed;              ///< per bone: by --place
+  std::vector<Eigen::Isometry3d> poses;  ///< per bone: from its files' axes to the joint's, in mm
 };
 
 struct BuildInputs {
@@ -44,11 +55,8 @@ struct BuildInputs {
 /// All but the surfaces: options that contradict each other or name no bone are refused before anything is read.
 BuildInputs build_inputs(const BuildArguments& arguments);
 
-/// Reads the table of loads into the request, in N. Returns what was found. Throws InputError, UsageError.
-std::vector<std::string> read_loads(BuildInputs& inputs);
-
-/// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
-/// InputError.
+/// Reads, scales, mends and places all surfaces into the request, and reads the landmarks. Returns what was found.
+/// Throws InputError.
 std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
 
 }  // namespace dea
