@@ -332,11 +332,11 @@ void read_all_landmarks(const BuildArguments& a, BuildInputs& inputs, std::vecto
       if (bone >= 0) l.point = inputs.sources.poses[at(bone)] * l.point;
       anatomy.landmarks.push_back(l);
     }
-    findings.push_back(fmt::format("landmarks: {}: {}{}{}{}", path, file.landmarks.size(),
-                                   file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
-                                   a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes",
-                                   bone >= 0 ? fmt::format(", placed with {}", inputs.request.bones[at(bone)].name)
-                                             : ""));
+    findings.push_back(
+        fmt::format("landmarks: {}: {}{}{}{}", path, file.landmarks.size(),
+                    file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
+                    a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes",
+                    bone >= 0 ? fmt::format(", placed with {}", inputs.request.bones[at(bone)].name) : ""));
   }
 }
 
@@ -403,7 +403,8 @@ BuildInputs build_inputs(const BuildArguments& a) {
   for (const std::string& text : a.landmarks) {
     const std::vector<std::string> names = bone_names(request);
     const std::size_t cut = text.find('=');
-    const auto bone = std::find(names.begin(), names.end(), trimmed(text.substr(0, cut)));  // a file's name may have '='
+    const auto bone =
+        std::find(names.begin(), names.end(), trimmed(text.substr(0, cut)));  // a file's name may have '='
     LandmarkSource source{-1, text};
     if (cut != text.npos && bone != names.end())
       source = {static_cast<int>(bone - names.begin()), trimmed(text.substr(cut + 1))};

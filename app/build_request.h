@@ -36,8 +36,8 @@ struct BuildSources {
   std::vector<MirrorPlane> mirrors;
   std::vector<std::string> bones;  ///< as the request's
   std::vector<CartilageFile> outer, places, regions;
-  LoadTable loads;                       ///< no file: none
-  MotionTable motion;                    ///< no file: none
+  LoadTable loads;     ///< no file: none
+  MotionTable motion;  ///< no file: none
   std::vector<LandmarkSource> landmarks;
   std::vector<char> placed;              ///< per bone: by --place
   std::vector<Eigen::Isometry3d> poses;  ///< per bone: from its files' axes to the joint's, in mm

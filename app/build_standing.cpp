@@ -103,8 +103,8 @@ void refuse_what_moves_nothing(const BuildArguments& a, const BuildInputs& input
 /// What follows "NAME=" of --place.
 struct PlaceText {
   bool inverse = false;
-  std::string file;             ///< empty: numbers
-  std::optional<int> row;       ///< of a table, from 1 on
+  std::string file;        ///< empty: numbers
+  std::optional<int> row;  ///< of a table, from 1 on
   std::vector<double> numbers;
 };
 
@@ -125,7 +125,8 @@ PlaceText place_text(const std::string& text, std::string value) {
   const std::size_t colon = value.rfind(':');
   if (colon != value.npos && colon + 1 < value.size() &&
       value.find_first_not_of("0123456789", colon + 1) == value.npos) {
-    place.row = argument("place", text, [&](const std::string&) { return parse_count(value.substr(colon + 1), 1, 1000000000); });
+    place.row = argument("place", text,
+                         [&](const std::string&) { return parse_count(value.substr(colon + 1), 1, 1000000000); });
     value = value.substr(0, colon);
   }
   if (value.empty()) throw wrong("place", text, "no file", "NAME=FILE, NAME=FILE:ROW or NAME=x,y,z");
@@ -199,9 +200,10 @@ Isometry3d read_place(const std::string& text, const PlaceText& place, const Bui
     if (read.itk) {
       const ScanAxes axes = inputs.anatomy.scan_axes.value_or(ScanAxes::LPS);
       pose = from_itk(pose, axes);
-      how += fmt::format(", a transform of ITK or Slicer, which says where points come from, and so was turned round; "
-                         "the bones' axes taken as {} (--scan-axes)",
-                         name(axes));
+      how += fmt::format(
+          ", a transform of ITK or Slicer, which says where points come from, and so was turned round; "
+          "the bones' axes taken as {} (--scan-axes)",
+          name(axes));
     } else if (!place.file.empty()) {
       pose.translation() *= inputs.sources.scale;
     }
@@ -222,7 +224,9 @@ void add_ligaments(const BuildArguments& a, BuildInputs& inputs, std::vector<std
   const BuildSources& sources = inputs.sources;
   int by_strain = 0, toes = 0;
   for (const LigamentRow& row : read_ligaments(a.ligaments, length)) {
-    const auto refuse = [&](const std::string& what) { throw InputError(a.ligaments, row.line, row.name + ": " + what); };
+    const auto refuse = [&](const std::string& what) {
+      throw InputError(a.ligaments, row.line, row.name + ": " + what);
+    };
     const std::vector<std::string> names = bone_names(inputs.request);
     const auto bone = [&](const char* column, const std::string& name) {
       const auto found = std::find(names.begin(), names.end(), name);
@@ -250,8 +254,7 @@ void add_ligaments(const BuildArguments& a, BuildInputs& inputs, std::vector<std
   const std::size_t count = inputs.request.ligaments.size();
   findings.push_back(fmt::format(
       "ligaments: {}: {}{}; they only pull, along straight lines{}{}", a.ligaments, count,
-      count == 1 ? " bundle" : " bundles",
-      toes > 0 ? fmt::format("; {} by Blankevoort's curve, with a toe", toes) : "",
+      count == 1 ? " bundle" : " bundles", toes > 0 ? fmt::format("; {} by Blankevoort's curve, with a toe", toes) : "",
       by_strain > 0 ? fmt::format("; slack lengths of {} from their strain where the bones stand (slack_length gives "
                                   "it for another position)",
                                   by_strain)
@@ -381,9 +384,8 @@ std::vector<std::string> held_forces(const BuildRequest& request) {
       if (held == force && !bone.turns_freely())
         throw UsageError(fmt::format("--{} {}: found a force {} that is held altogether, expected one that presses",
                                      option, bone.name, vector_text(force)));
-      findings.push_back(
-          fmt::format("{}: {} of the force {} goes into what holds the bone (--{}), not into the joint", bone.name,
-                      vector_text(held), vector_text(force), option));
+      findings.push_back(fmt::format("{}: {} of the force {} goes into what holds the bone (--{}), not into the joint",
+                                     bone.name, vector_text(held), vector_text(force), option));
     }
   }
   return findings;

@@ -121,7 +121,8 @@ bool held_under_load(const BuiltBody& body, std::size_t dof) {
 
 template <class Held>
 std::string fixed_dofs(const BuiltBody& body, const char* what, Held held) {
-  std::string all = fmt::format("<rigid_bc name=\"{0} {1}\" type=\"rigid_fixed\">\n<rb>{0}</rb>\n", escaped(body.name), what);
+  std::string all =
+      fmt::format("<rigid_bc name=\"{0} {1}\" type=\"rigid_fixed\">\n<rb>{0}</rb>\n", escaped(body.name), what);
   bool any = false;
   for (std::size_t k = 0; k < kDofs; ++k) {
     any = any || held(body, k);
@@ -136,7 +137,8 @@ std::string moved_dof(const BuiltBody& body, const char* what, std::size_t dof, 
       "<rigid_bc name=\"{0} {1} {2}\" type=\"{3}\">\n<rb>{0}</rb>\n<dof>{2}</dof>\n<value "
       "lc=\"{4}\">{5}</value>\n"
       "<relative>0</relative>\n</rigid_bc>\n",
-      escaped(body.name), what, kDofNames[dof], dof < 3 ? "rigid_displacement" : "rigid_rotation", controller, value + 0.0);
+      escaped(body.name), what, kDofNames[dof], dof < 3 ? "rigid_displacement" : "rigid_rotation", controller,
+      value + 0.0);
 }
 
 /// A force or moment of value times controller.
@@ -162,8 +164,8 @@ std::string control(std::size_t states, double step_size, const char* must_point
 }
 
 /// Load controllers. 1: rises to 1 over the first step. With one load all values follow it. Several loads: 2 has their
-/// times as points that FEBio must meet; the others are one for each component of force, moment and motion: that of load
-/// i at time 2 + i, the first one's force from the start, its pose from time 1 on, straight lines between.
+/// times as points that FEBio must meet; the others are one for each component of force, moment and motion: that of
+/// load i at time 2 + i, the first one's force from the start, its pose from time 1 on, straight lines between.
 struct Controllers {
   std::string text;
   int count = 0;
@@ -209,7 +211,8 @@ Controllers make_controllers(const BuiltJoint& joint) {
       if (has_load) {
         c.load_value[b][k] = loads > 1 ? 1.0 : load_component(body, 0, k);
         std::string points = fmt::format("<pt>0,{}</pt>\n", load_component(body, 0, k));
-        for (std::size_t i = 0; i < loads; ++i) points += fmt::format("<pt>{},{}</pt>\n", i + 2, load_component(body, i, k));
+        for (std::size_t i = 0; i < loads; ++i)
+          points += fmt::format("<pt>{},{}</pt>\n", i + 2, load_component(body, i, k));
         if (loads > 1)
           c.load[b][k] = c.add(
               fmt::format("{} {} {}", escaped(body.name), k < 3 ? "force" : "moment", kDirections[k % 3]), points);
@@ -219,9 +222,9 @@ Controllers make_controllers(const BuiltJoint& joint) {
       if (body.fixed || !body.moved[k]) continue;
       c.motion_value[b][k] = loads > 1 ? 1.0 : pose_component(body, 0, k);
       std::string points = fmt::format("<pt>0,0</pt>\n<pt>1,{}</pt>\n", pose_component(body, 0, k));
-      for (std::size_t i = 0; i < loads; ++i) points += fmt::format("<pt>{},{}</pt>\n", i + 2, pose_component(body, i, k));
-      if (loads > 1)
-        c.motion[b][k] = c.add(fmt::format("{} motion {}", escaped(body.name), kDofNames[k]), points);
+      for (std::size_t i = 0; i < loads; ++i)
+        points += fmt::format("<pt>{},{}</pt>\n", i + 2, pose_component(body, i, k));
+      if (loads > 1) c.motion[b][k] = c.add(fmt::format("{} motion {}", escaped(body.name), kDofNames[k]), points);
     }
   }
   return c;
@@ -259,7 +262,9 @@ std::string steps(const BuiltJoint& joint, const BuiltModelSettings& s, const Co
 }
 
 /// "x - 0.5" without spaces.
-std::string less(double offset) { return offset < 0 ? fmt::format("(x+{})", -offset) : fmt::format("(x-{})", offset + 0.0); }
+std::string less(double offset) {
+  return offset < 0 ? fmt::format("(x+{})", -offset) : fmt::format("(x-{})", offset + 0.0);
+}
 
 /// The force of a ligament by its elongation from the length as built, for FEBio counts from there. H is 0 below zero:
 ///   straight  k/L_s H(u) u                        u = x - x_s, zero at the slack length
@@ -303,8 +308,8 @@ LigamentText add_ligaments(MeshText& mesh, const BuiltJoint& joint) {
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const BuiltLigament& l = joint.ligaments[i];
     const std::string name = escaped(l.name);
-    mesh.sets += fmt::format("<DiscreteSet name=\"{}\">\n<delem>{},{}</delem>\n</DiscreteSet>\n", name, ends[i][0],
-                             ends[i][1]);
+    mesh.sets +=
+        fmt::format("<DiscreteSet name=\"{}\">\n<delem>{},{}</delem>\n</DiscreteSet>\n", name, ends[i][0], ends[i][1]);
     all.discrete += fmt::format(
         "<discrete_material id=\"{}\" name=\"{}\" type=\"nonlinear "
         "spring\">\n<scale>1</scale>\n<measure>elongation</measure>\n<force "

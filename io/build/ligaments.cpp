@@ -16,9 +16,9 @@ namespace dea {
 
 namespace {
 
-const std::vector<std::string> kColumns = {"name",         "body_a",           "x_a", "y_a", "z_a",
-                                           "body_b",       "x_b",              "y_b", "z_b", "stiffness",
-                                           "slack_length", "reference_strain", "curve", "toe_strain"};
+const std::vector<std::string> kColumns = {"name",  "body_a",    "x_a", "y_a",       "z_a",          "body_b",
+                                           "x_b",   "y_b",       "z_b", "stiffness", "slack_length", "reference_strain",
+                                           "curve", "toe_strain"};
 
 /// Which of its columns a table has.
 class LigamentTable {
@@ -34,8 +34,8 @@ class LigamentTable {
     }
     for (std::size_t k = 0; k < 10; ++k)
       if (column(kColumns[k].c_str()) < 0)
-        refuse(table.names_line, fmt::format("found no column {} among {}, expected it", kColumns[k],
-                                             fmt::join(table.names, ", ")));
+        refuse(table.names_line,
+               fmt::format("found no column {} among {}, expected it", kColumns[k], fmt::join(table.names, ", ")));
   }
 
   std::size_t rows() const { return table.rows.size(); }
@@ -80,11 +80,10 @@ class LigamentTable {
     const bool is_length = bare[0] == 'x' || bare[0] == 'y' || bare[0] == 'z' || bare == "slack_length";
     const std::string expected = is_length ? length : bare == "stiffness" ? "n" : bare.ends_with("strain") ? "-" : "";
     if (unit != expected && !(is_length && length.empty()))
-      refuse(table.names_line,
-             fmt::format("found the unit \"{}\" in {}, expected {}", unit, febio::quote(name),
-                         is_length             ? length + ", the unit of the bones"
-                         : bare == "stiffness" ? "N, force per strain (N/mm times the slack length)"
-                                               : "none"));
+      refuse(table.names_line, fmt::format("found the unit \"{}\" in {}, expected {}", unit, febio::quote(name),
+                                           is_length             ? length + ", the unit of the bones"
+                                           : bare == "stiffness" ? "N, force per strain (N/mm times the slack length)"
+                                                                 : "none"));
   }
 
   TextTable table;
@@ -133,8 +132,9 @@ std::vector<LigamentRow> read_ligaments(const std::string& path, const std::stri
     ligaments.push_back(row_of(table, r));
     for (std::size_t other = 0; other < r; ++other)
       if (ligaments[other].name == ligaments[r].name)
-        table.refuse(table.line(r), fmt::format("found the name {} twice, expected a name for each bundle, such as {}_2",
-                                                febio::quote(ligaments[r].name), ligaments[r].name));
+        table.refuse(table.line(r),
+                     fmt::format("found the name {} twice, expected a name for each bundle, such as {}_2",
+                                 febio::quote(ligaments[r].name), ligaments[r].name));
   }
   if (ligaments.empty()) table.refuse(0, "found no row, expected one for each bundle of a ligament");
   return ligaments;

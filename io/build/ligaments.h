@@ -11,11 +11,11 @@ namespace dea {
 
 struct LigamentRow {
   std::string name;
-  std::string bone_a, bone_b;                ///< bones' names, not looked up yet
-  Eigen::Vector3d point_a, point_b;          ///< each in the axes and unit of its bone's file
-  double stiffness = 0.0;                    ///< force per strain, > 0
-  std::optional<double> slack_length;        ///< in the unit of the files; one of these two is there
-  std::optional<double> reference_strain;    ///< where the bones stand as they are placed
+  std::string bone_a, bone_b;              ///< bones' names, not looked up yet
+  Eigen::Vector3d point_a, point_b;        ///< each in the axes and unit of its bone's file
+  double stiffness = 0.0;                  ///< force per strain, > 0
+  std::optional<double> slack_length;      ///< in the unit of the files; one of these two is there
+  std::optional<double> reference_strain;  ///< where the bones stand as they are placed
   double toe_strain = kToeStrain;
   int line = 0;
 };

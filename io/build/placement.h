@@ -8,8 +8,8 @@ namespace dea {
 
 struct FilePose {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< as it stands in the file: p' = rotation p + translation
-  bool itk = false;         ///< an ITK transform, as Slicer's .tfm: in mm and LPS axes, from where a point comes
-  double corrected = 0.0;   ///< by how much the rotation's numbers were off; it is exact now
+  bool itk = false;        ///< an ITK transform, as Slicer's .tfm: in mm and LPS axes, from where a point comes
+  double corrected = 0.0;  ///< by how much the rotation's numbers were off; it is exact now
 };
 
 /// A 4x4 matrix as text (16 numbers, row by row, between white space, commas, semicolons or brackets; lines that begin

@@ -30,20 +30,29 @@ def femur_radius(x):
 
 
 def femur_point(x, angle, outwards=0.0):
-    """`angle`: from downwards, > 0 to the front."""
-    r = femur_radius(x) + outwards
-    return (x, r * math.sin(angle), -r * math.cos(angle))
+    """`angle`: from downwards, > 0 to the front. `outwards`: along the normal."""
+    slope = (femur_radius(x + 1e-3) - femur_radius(x - 1e-3)) / 2e-3
+    along = outwards / math.hypot(1, slope)
+    r = femur_radius(x) + along
+    return (x - slope * along, r * math.sin(angle), -r * math.cos(angle))
 
 
 def plateau(x, y):
     """Height of the tibial cartilage's surface, without its rim."""
-    medial = -(RADIUS[MEDIAL] + FEMORAL + GAP) + (x - MEDIAL) ** 2 / 160 + y * y / 90
-    lateral = -(RADIUS[LATERAL] + FEMORAL + GAP) + (x - LATERAL) ** 2 / 400 - y * y / 160
+    medial = -(RADIUS[MEDIAL] + FEMORAL + GAP) + (x - MEDIAL) ** 2 / 160 + y * y / 80
+    lateral = -(RADIUS[LATERAL] + FEMORAL + GAP) + (x - LATERAL) ** 2 / 400 - y * y / 240
     return mixed(x, medial, lateral) + 2 * math.exp(-(x / 6) ** 2)
 
 
 def tibia_height(x, y):
     return plateau(x, y) - mixed(x, TIBIAL[MEDIAL], TIBIAL[LATERAL])
+
+
+def tibia_point(x, y, outwards=0.0):
+    """`outwards`: along the normal."""
+    slope = [(tibia_height(x + dx, y + dy) - tibia_height(x - dx, y - dy)) / 2e-3 for dx, dy in ((1e-3, 0), (0, 1e-3))]
+    along = outwards / math.hypot(1, *slope)
+    return (x - slope[0] * along, y - slope[1] * along, tibia_height(x, y) + along)
 
 
 def thinned(thickness, to_edge):
@@ -78,7 +87,7 @@ def femur():
     for a, b in zip(rings, rings[1:]):
         for k in range(around):
             n = (k + 1) % around
-            out += [(a[k], b[k], b[n]), (a[k], b[n], a[n])]
+            out += [(a[k], b[n], b[k]), (a[k], a[n], b[n])]
     for ring, end in ((rings[0], -1), (rings[-1], 1)):
         middle = (ring[0][0], 0.0, 0.0)
         for k in range(around):
@@ -135,22 +144,21 @@ def plateau_cartilage(middle):
 
     rows = [[place(i, j) for i in range(n + 1)] for j in range(n + 1)]
 
-    def top(x, y):
-        to_edge = (1 - math.hypot((x - middle) / 12.5, y / 19)) * 12.5
-        return tibia_height(x, y) + thinned(TIBIAL[middle], to_edge)
+    def thickness(x, y):
+        return thinned(TIBIAL[middle], (1 - math.hypot((x - middle) / 12.5, y / 19)) * 12.5)
 
-    inner = [[(x, y, tibia_height(x, y)) for x, y in row] for row in rows]
-    outer = [[(x, y, top(x, y)) for x, y in row] for row in rows]
+    inner = [[tibia_point(x, y) for x, y in row] for row in rows]
+    outer = [[tibia_point(x, y, thickness(x, y)) for x, y in row] for row in rows]
     return shell(rows, inner, outer)
 
 
 # Stiffness [N per strain] and strain with the knee straight: Blankevoort et al. (1991), J Biomech 24:1019-1031. Where they are fastened
 # is made up to fit these bones.
 LIGAMENTS = """name,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness [N],reference_strain
-ACL_anterior,femur,8,-8,9,tibia,-2,12,-25,5000,0.06
-ACL_posterior,femur,8,-11,5,tibia,1,6,-25,5000,0.1
-PCL_anterior,femur,-6,-3,-2,tibia,-2,-22,-34,9000,-0.24
-PCL_posterior,femur,-7,-8,1,tibia,2,-22,-36,9000,-0.03
+ACL_anterior,femur,8,-3,4,tibia,-2,12,-25,5000,0.06
+ACL_posterior,femur,8,-8,3,tibia,1,6,-25,5000,0.1
+PCL_anterior,femur,-6,6,-8,tibia,-2,-22,-34,9000,-0.24
+PCL_posterior,femur,-7,1,-5,tibia,2,-22,-36,9000,-0.03
 LCL_anterior,femur,42,2,3,tibia,40,-10,-50,2000,-0.25
 LCL_superior,femur,42,0,4,tibia,40,-13,-50,2000,-0.05
 LCL_posterior,femur,42,-2,3,tibia,40,-16,-50,2000,0.08

@@ -29,14 +29,14 @@ using DofFlags = std::array<bool, kDofs>;
 /// A bone, and what holds, moves and loads it.
 struct BoneLoads {
   std::string name;
-  bool fixed = true;                                         ///< held as a whole
-  DofFlags held = {false, false, false, true, true, true};   ///< if not fixed: dofs in which it is held all the same
-  DofFlags moved = {};                                       ///< if not fixed: dofs that follow `motion`
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();           ///< in the last step, or of the table's first row
-  std::vector<Eigen::Vector3d> forces;                       ///< of a table, one per row; empty: `force` alone
-  std::vector<Eigen::Vector3d> moments;                      ///< of a table, about the centre; empty: none
-  std::vector<Eigen::Matrix<double, kDofs, 1>> motion;       ///< of a table, one per row: displacement of the centre,
-                                                             ///< rotation vector [rad], from the pose as built
+  bool fixed = true;                                        ///< held as a whole
+  DofFlags held = {false, false, false, true, true, true};  ///< if not fixed: dofs in which it is held all the same
+  DofFlags moved = {};                                      ///< if not fixed: dofs that follow `motion`
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();          ///< in the last step, or of the table's first row
+  std::vector<Eigen::Vector3d> forces;                      ///< of a table, one per row; empty: `force` alone
+  std::vector<Eigen::Vector3d> moments;                     ///< of a table, about the centre; empty: none
+  std::vector<Eigen::Matrix<double, kDofs, 1>> motion;      ///< of a table, one per row: displacement of the centre,
+                                                            ///< rotation vector [rad], from the pose as built
 
   bool free(std::size_t dof) const { return !fixed && !held[dof] && !moved[dof]; }
   bool turns_freely() const { return free(3) || free(4) || free(5); }
@@ -84,7 +84,7 @@ struct BuiltModelSettings {
   double E = 11.85;          ///< of the cartilage, neo-Hookean [stress]
   double nu = 0.45;
   double penalty = 20;
-  std::vector<Eigen::Vector3d> seat;  ///< per body: displacement at the end of the seating step; empty: none
+  std::vector<Eigen::Vector3d> seat;       ///< per body: displacement at the end of the seating step; empty: none
   std::vector<Eigen::Vector3d> seat_turn;  ///< per body: its rotation vector there [rad]; empty: none
   std::string units = "mm-N-s";
   std::string comment;

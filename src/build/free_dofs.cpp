@@ -61,17 +61,19 @@ Choice choice_for(const BuildRequest& request, const BuiltJoint& joint, int body
   if (!joint.ligaments.empty()) {
     choice.held = {};
     choice.held[at(3 + flexion)] = true;
-    choice.why = fmt::format("two compartments and ligaments; flexion, about {}, is held: the compartments lie {:.1f} "
-                             "degrees off that axis",
-                             "xyz"[flexion], off);
+    choice.why = fmt::format(
+        "two compartments and ligaments; flexion, about {}, is held: the compartments lie {:.1f} "
+        "degrees off that axis",
+        "xyz"[flexion], off);
     return choice;
   }
   const int load = nearest_axis(b.force), varus = load == flexion ? -1 : 3 - flexion - load;
   choice.why = "two compartments and no ligaments: nothing keeps it from sliding off";
-  if (varus >= 0)
-    choice.why += fmt::format(", give them ({}) or leave it the load's direction and varus-valgus alone ({})",
-                              request.wording({"ligaments", "", "FILE"}),
-                              request.wording({"free", b.name, fmt::format("{},{}", "xyz"[load], kDofNames[3 + varus])}));
+  if (varus < 0) return choice;
+  const std::string two = fmt::format("{},{}", "xyz"[load], kDofNames[3 + varus]);
+  choice.why += fmt::format(", give them ({}) or leave it the load's direction and varus-valgus alone ({})",
+                            request.wording({.setting = "ligaments", .value = "FILE"}),
+                            request.wording({.setting = "free", .of = b.name, .value = two, .bare = true}));
   return choice;
 }
 
@@ -98,8 +100,8 @@ void choose_dofs(const BuildRequest& request, BuiltJoint& joint, BuildReport& re
     }
     report.findings.push_back(fmt::format(
         "{}: free in {}{}: {}{}", body.name, dof_names(free),
-        body.motion.empty() ? "" : fmt::format(", moved in {} by the table of motion", dof_names(body.moved)), choice.why,
-        asked.dofs_given ? "" : fmt::format(" ({})", request.wording({"free"}))));
+        body.motion.empty() ? "" : fmt::format(", moved in {} by the table of motion", dof_names(body.moved)),
+        choice.why, asked.dofs_given ? "" : fmt::format(" ({})", request.wording({"free"}))));
     if (body.moments.empty() || body.turns_freely()) continue;
     body.moments.clear();
     report.findings.push_back(

@@ -131,16 +131,16 @@ TitledTable seat_table(const BuildSummary& s) {
       seats.table.rows.push_back({time_text(balance.time), s.joint.bodies[b].name,
                                   vector_text(force_of(s.joint.bodies[b], i)),
                                   balance.found ? vector_text(balance.displacement[b]) : "no balance"});
-      if (turns) seats.table.rows.back().push_back(balance.found ? vector_text(balance.turn[b] * kDegreesPerRadian) : "");
+      if (turns)
+        seats.table.rows.back().push_back(balance.found ? vector_text(balance.turn[b] * kDegreesPerRadian) : "");
     }
   return seats;
 }
 
 TitledTable ligament_table(const BuildSummary& s) {
-  TitledTable ligaments{"Ligaments as built [mm, N]",
-                        {{"ligament", "from", "to", "stiffness", "length", "slack length", "strain", "force"},
-                         "lllrrrrr",
-                         {}}};
+  TitledTable ligaments{
+      "Ligaments as built [mm, N]",
+      {{"ligament", "from", "to", "stiffness", "length", "slack length", "strain", "force"}, "lllrrrrr", {}}};
   for (const BuiltLigament& l : s.joint.ligaments) {
     const double length = length_of(l);
     ligaments.table.rows.push_back({l.name, s.joint.bodies[at(l.bone_a)].name, s.joint.bodies[at(l.bone_b)].name,
