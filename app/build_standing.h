@@ -1,7 +1,10 @@
 // app/build_standing.h – where the bones of `dea build` stand, and what frees, holds, moves and joins them: --place,
 // --free, --hold, --motion, --ligaments, and the tables of --loads and --motion.
 #pragma once
-#include "app/build_request.h"
+#include <string>
+#include <vector>
+
+#include "app/build_inputs.h"
 
 namespace dea {
 
