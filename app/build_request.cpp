@@ -25,7 +25,7 @@ void refuse_names_of_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (name == "cartilage") throw wrong("bone", name, "the name of the cartilage's material", "another");
     for (const std::string& other : names)
-      for (const char* part : {"_cartilage", "_bone"})
+      for (const char* part : {"_cartilage", "_bone", "_ligament_ends"})
         if (name.rfind(other + part, 0) == 0)
           throw wrong("bone", name, fmt::format("a name that a part of \"{}\" has in the model", other), "another");
   }

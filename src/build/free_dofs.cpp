@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
@@ -58,7 +59,8 @@ Choice choice_for(const BuildRequest& request, const BuiltJoint& joint, int body
   }
   const int flexion = nearest_axis(apart);
   const double off = std::acos(std::min(1.0, std::abs(apart[flexion]) / apart.norm())) * kDegreesPerRadian;
-  if (!joint.ligaments.empty()) {
+  const auto on_it = [&](const BuiltLigament& l) { return l.bone_a == body || l.bone_b == body; };
+  if (std::any_of(joint.ligaments.begin(), joint.ligaments.end(), on_it)) {
     choice.held = {};
     choice.held[at(3 + flexion)] = true;
     choice.why = fmt::format(
@@ -98,10 +100,13 @@ void choose_dofs(const BuildRequest& request, BuiltJoint& joint, BuildReport& re
       body.held[k] = choice.held[k] || (asked.hold[k] && !body.moved[k]);
       free[k] = body.free(k);
     }
-    report.findings.push_back(fmt::format(
-        "{}: free in {}{}: {}{}", body.name, dof_names(free),
-        body.motion.empty() ? "" : fmt::format(", moved in {} by the table of motion", dof_names(body.moved)),
-        choice.why, asked.dofs_given ? "" : fmt::format(" ({})", request.wording({"free"}))));
+    const std::string moved =
+        body.motion.empty() ? "" : fmt::format("moved in {} by the table of motion", dof_names(body.moved));
+    const bool table_alone = !moved.empty() && free == DofFlags{};
+    report.findings.push_back(fmt::format("{}: {}{}: {}{}", body.name,
+                                          table_alone ? "" : fmt::format("free in {}", dof_names(free)),
+                                          moved.empty() || table_alone ? moved : ", " + moved, choice.why,
+                                          asked.dofs_given ? "" : fmt::format(" ({})", request.wording({"free"}))));
     if (body.moments.empty() || body.turns_freely()) continue;
     body.moments.clear();
     report.findings.push_back(

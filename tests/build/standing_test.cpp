@@ -331,6 +331,10 @@ TEST(FreeDofs, AreChosenByWhatIsKnown) {
   given.joint.bodies[1].held = {true, true, false, true, true, true};
   EXPECT_EQ(given.held(), (DofFlags{true, true, false, true, true, true}));
   EXPECT_EQ(given.report.findings[0], "femur: free in z: as given");
+  TwoCompartments elsewhere(0);
+  elsewhere.joint.ligaments = {ligament(0)};
+  elsewhere.joint.ligaments[0].bone_b = 2;  // of a third bone
+  EXPECT_EQ(elsewhere.held(), translations);
   TwoCompartments one(0);
   one.joint.ligaments = {ligament(0)};
   one.joint.contacts.pop_back();
