@@ -15,7 +15,10 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.dont_write_bytecode = True
+sys.path[:0] = [HERE, os.path.join(HERE, "../samples/made_knee")]
+import make_knee  # noqa: E402
 import stl_shapes  # noqa: E402
 
 CHECKS = []
@@ -616,6 +619,54 @@ def a_ligament_pulls_with_its_formula(folder):
         done = folder.build(*JOINT, "--ligaments", "l.csv", "-q")
         same(done.returncode, code, done.stderr)
         true(said in done.stderr, done.stderr)
+
+
+def turned(w, x):
+    """By the rotation vector w [degrees]."""
+    angle = math.sqrt(sum(c * c for c in w))
+    if angle == 0:
+        return x
+    k, a = [c / angle for c in w], math.radians(angle)
+    across = (k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0])
+    along = sum(p * q for p, q in zip(k, x))
+    return tuple(c * math.cos(a) + d * math.sin(a) + e * along * (1 - math.cos(a)) for c, d, e in zip(x, across, k))
+
+
+@check
+def a_knee_balances_on_its_ligaments(folder):
+    """A made knee, flexed: where dea build says that the bones come to, the tensions of Blankevoort's formula and the load on the tibia
+    add up to what the contacts of dea run bear, in all three components."""
+    for name, text in make_knee.files(apart=True).items():
+        folder.write(name, text)
+    done = folder.build("--bone", "femur=knee_femur.stl", "--cartilage", "femur=knee_femoral_cartilage.stl", "--bone", "tibia=knee_tibia.stl",
+                        "--cartilage", "tibia=knee_tibial_cartilage.stl", "--center", "femur=0,0,0", "--motion", "femur=knee_flexion.csv", "--motion-rotation", "zxy",
+                        "--motion-units", "deg-mm", "--ligaments", "knee_ligaments.csv", "--force", "tibia=0,0,700", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    made = json.loads(folder.read("j.json"))
+    true("flexion, about x, is held" in done.stderr, done.stderr)
+    same([b["free"] for b in made["bones"]], [[], ["x", "y", "z", "Rv", "Rw"]], "free")
+    bundles = list(csv.DictReader(io.StringIO(folder.read("knee_ligaments.csv"))))
+    rows = folder.run("--states", "2,3,4")
+    for i, load in enumerate(made["loads"]):
+        def place(bone, point):
+            b, at = made["bones"][bone], load["bones"][bone]
+            arm = turned(at["turn"], tuple(p - c for p, c in zip(point, b["center"])))
+            return tuple(c + d + a for c, d, a in zip(b["center"], at["displacement"], arm))
+
+        close(load["bones"][0]["turn"][0], (0, 15, 30)[i], 1e-9, "flexion")
+        pull = [0.0, 0.0, 700.0]
+        for bundle in bundles:
+            a, b = (tuple(float(bundle[f"{c}_{end}"]) for c in "xyz") for end in "ab")
+            slack = math.dist(a, b) / (1 + float(bundle["reference_strain"]))
+            now_a, now_b = place(0, a), place(1, b)
+            length = math.dist(now_a, now_b)
+            e, k = length / slack - 1, float(bundle["stiffness [N]"])
+            tension = 0 if e < 0 else k * e * e / 0.12 if e < 0.06 else k * (e - 0.03)
+            pull = [f + tension * (p - q) / length for f, p, q in zip(pull, now_a, now_b)]
+        contact = [sum(float(r[f"force_{c}"]) for r in rows if float(r["time"]) == load["time"]) for c in "xyz"]
+        # both searches end at a thousandth of the load
+        for c, f, g in zip("xyz", contact, pull):
+            close(f, g, 1, f"force along {c} at {load['time']}")
 
 
 @check
