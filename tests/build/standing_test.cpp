@@ -147,7 +147,7 @@ TEST(Ligament, TablesAreReadOrRefusedByLine) {
       {start + ",50,,,\n", "stiffness: found nothing, expected a number"},
       {start + "500,50,,,\n" + start + "500,50,,,\n", ":3: found the name \"A\" twice"},
       {",f,1,2,3,t,4,5,6,500,50,,,\n", "found no name"}};
-  for (const auto& [text, words] : bad) EXPECT_REFUSED(read(text), words);
+  for (const auto& one : bad) EXPECT_REFUSED(read(one.first), one.second);
   EXPECT_REFUSED(read_ligaments(file("u.csv", "name,body_a,x_a [m]\nA,f,1\n"), "mm"),
                  "found the unit \"m\" in \"x_a [m]\", expected mm");
   EXPECT_REFUSED(read_ligaments(file("n.csv", "name,body_a,stifness\nA,f,1\n"), "mm"), "did you mean \"stiffness\"?");
@@ -199,7 +199,7 @@ TEST(Placement, WhatIsNoPoseIsRefused) {
       {"#Insight Transform File V1.0\nTransform: a\nTransform: b\n", ":3: found a second \"Transform:\""},
       {"#Insight Transform File V1.0\n", "the file is cut off"},
       {"", "found 0 numbers"}};
-  for (const auto& [text, words] : bad) EXPECT_REFUSED(read_pose(file("bad.txt", text)), words);
+  for (const auto& one : bad) EXPECT_REFUSED(read_pose(file("bad.txt", one.first)), one.second);
   EXPECT_REFUSED(read_pose("none.tfm"), "none.tfm: found no file that can be read");
 }
 
