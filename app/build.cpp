@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "app/build_request.h"
 #include "app/build_standing.h"
@@ -13,7 +12,6 @@
 #include "io/build/landmarks.h"
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
-#include "io/files/system.h"
 #include "io/results/existing_file.h"
 #include "io/settings/settings_xml.h"
 #include "src/base/error.h"
@@ -32,18 +30,19 @@ namespace dea {
 
 namespace {
 
+/// A fault without advice that names options of dea run, which dea build has not.
+std::string without_options(Fault fault) {
+  if (!fault.expected.settings.empty()) fault.expected = {};
+  std::string words = line(fault, command_line_wording());
+  if (!words.empty() && words.back() == ';') words.pop_back();
+  return words;
+}
+
 /// The pose that balances each load, by dea itself.
-std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoint& built, Progress& progress) {
+std::vector<BuildBalance> find_balances(const std::string& text, const std::string& path, const BuiltJoint& built,
+                                        Progress& progress) {
   progress.now("balance", "", built.loads() > 1 ? "balance of the loads" : "balance of the load");
-  std::filesystem::path name;
-  std::error_code error;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-  const int file = error ? -1 : create_temporary(folder, name);
-  if (file < 0) throw WriteError("a temporary file: set TMPDIR to a folder that takes one");
-  close_file(file);
-  const Temporary temporary(name);
-  write_text(temporary.path, text);
-  JointModel model = read_feb(temporary.path);
+  JointModel model = read_feb_text(text, path);
   const std::vector<TimePoint> times = model_times(model);
   AnalysisOptions options;
   options.times.assign(times.end() - static_cast<std::ptrdiff_t>(built.loads()), times.end());
@@ -62,7 +61,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
       std::string& words = balances[i].words;
       words = state.equilibrium.message;
       const Sentence& advice = state.equilibrium.advice;
-      if (!words.empty() && words.back() == ';') words.pop_back();  // dea run's advice would follow: its options
+      if (!words.empty() && words.back() == ';') words.pop_back();  // the advice would follow
       if (!advice.empty() && advice.settings.empty()) words += " " + worded(advice, command_line_wording());
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
@@ -74,7 +73,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
         balances[i].contacts.push_back({analysis.joint.contacts[c].name, state.statistics[c].headline});
     }
   } catch (const InputError& e) {
-    for (BuildBalance& balance : balances) balance.words = line(e.fault);
+    for (BuildBalance& balance : balances) balance.words = without_options(e.fault);
   }
   return balances;
 }
@@ -106,12 +105,15 @@ int build(const BuildArguments& a) {
   if (a.output == "-") throw UsageError("-o -: the table goes to standard output, give the model a name");
   BuildInputs inputs = build_inputs(a);
   require_page_name("--report", a.report);
-  const HeldOutputs held = claim_outputs(inputs.files, {{"-o", a.output},
-                                                        {"--json", a.json},
-                                                        {"--report", a.report},
-                                                        {"--frames", a.frames},
-                                                        {"--hip-figure", a.hip_figure}});
-  if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, ModelOf::Build));
+  const std::vector<NamedPath> others = {
+      {"--json", a.json}, {"--report", a.report}, {"--frames", a.frames}, {"--hip-figure", a.hip_figure}};
+  std::vector<NamedPath> outputs = others;
+  outputs.insert(outputs.begin(), {"-o", a.output});
+  const HeldOutputs held = claim_outputs(inputs.files, outputs);
+  if (!a.overwrite) {
+    refuse_to_replace("-o", a.output, why_kept_model(a.output, ModelOf::Build));
+    refuse_to_replace(others);
+  }
   Progress progress(progress_style(a.quiet, false));
   std::vector<std::string> questions;  // told before what may take long
   if (const std::string odd = modulus_question(inputs.model); !odd.empty()) {
@@ -135,6 +137,7 @@ int build(const BuildArguments& a) {
   add_findings(anatomy.findings, report.findings);
   progress.now("cartilage", "", "cartilage and its mesh");
   BuiltJoint joint = build_joint(inputs.request, report);
+  count_motion_from_centers(joint);
   choose_dofs(inputs.request, joint, report);
 
   inputs.model.elements_through = inputs.request.elements_through;
@@ -143,7 +146,7 @@ int build(const BuildArguments& a) {
     questions.push_back(question);
     log("warning: " + question);
   }
-  const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), joint, progress);
+  const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), a.output, joint, progress);
   if (balances.front().found) {
     inputs.model.seat = balances.front().displacement;
     inputs.model.seat_turn = balances.front().turn;

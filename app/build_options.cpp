@@ -82,12 +82,14 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--motion", a.motion, "BODY=FILE", "Model",
            "Poses of a bone from a table, row by row, as dea run --motion reads it: from where it stands, about its "
            "centre");
-  add_once(*c, "--motion-columns", a.motion_columns, "TX,TY,TZ,RX,RY,RZ", "Model",
-           "Columns of the table of poses [found by name]");
+  add_once(*c, "--motion-columns", a.motion_columns, "TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Model",
+           "Columns of the table of poses, also of --place FILE:ROW; NAME_T: of 4x4 matrices [found by name]");
   add_once(*c, "--motion-rotation", a.motion_rotation, "vector|zxy", "Model",
            "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
   add_once(*c, "--motion-units", a.motion_units, "ANGLE-LENGTH", "Model",
            "Units of the table of poses: deg-mm, rad-m; must be given if it has rotations");
+  add_once(*c, "--motion-start", a.motion_start, "own-frame|TIME[,ground]", "Model",
+           "Of matrices: where the bone's files have it, as dea run --motion-start [own-frame]");
   add_once(*c, "--ligaments", a.ligaments, "FILE.csv", "Model",
            "Ligaments: name, body_a, x_a, y_a, z_a, body_b, x_b, y_b, z_b, stiffness [N per strain], slack_length or "
            "reference_strain; curve (blankevoort or linear), toe_strain [blankevoort, 0.06]");
@@ -119,7 +121,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--frames", a.frames, "FILE.xml", "Output",
            "Also write the frames as a settings file for dea run and dea study: --settings FILE.xml");
   add_once(*c, "--hip-figure", a.hip_figure, "FILE.svg|png|pdf", "Output", "Also draw what was measured in the hip");
-  add_model_overwrite_flag(*c, a.overwrite, "one that dea build made");
+  add_overwrite_flag(*c, a.overwrite);
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Number of threads [all cores]");
   return c;

@@ -204,8 +204,8 @@ std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
     if (size >= kLeast && size <= kMost) return "";
     throw InputError(
         fmt::format("found bones {:.3g} mm large in the unit that was given, expected {:g} to {:g}: is it "
-                    "the files' unit? (units, scale)",
-                    size, kLeast, kMost));
+                    "the files' unit? ({})",
+                    size, kLeast, kMost, a.units.empty() ? "--scale" : "--units"));
   }
   if (size >= 10 && size <= 2000)
     return fmt::format("units: mm, by the size of the largest bone, {:.4g} (--units)", size);
@@ -411,7 +411,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
     sources.landmarks.push_back(source);
     inputs.files.push_back({"--landmarks", source.path});
   }
-  request.wording = command_line_wording();
+  request.wording = inputs.anatomy.wording = command_line_wording();
   add_loads(a, inputs);
   add_standing(a, inputs);
   set_mesh(a, request);

@@ -52,13 +52,17 @@ void add_motion(const BuildArguments& a, BuildInputs& inputs) {
   MotionTable& motion = inputs.sources.motion;
   motion.columns = a.motion_columns;
   motion.units = a.motion_units;
-  if (!a.motion_rotation.empty())
-    argument("motion-rotation", a.motion_rotation, [&](const std::string& text) {
-      Settings settings;
-      find_setting_option("motion-rotation")->set(settings, "", text);
-      motion.rotation = settings.motion.rotation;
-      return 0;
-    });
+  const auto word = [](const char* option, const std::string& given) {  // as dea run reads it
+    Settings settings;
+    if (!given.empty())
+      argument(option, given, [&](const std::string& text) {
+        find_setting_option(option)->set(settings, "", text);
+        return 0;
+      });
+    return settings.motion;
+  };
+  motion.rotation = word("motion-rotation", a.motion_rotation).rotation;
+  motion.start = word("motion-start", a.motion_start).start;
   if (a.motion.empty()) return;
   const Named n = named("motion", a.motion, "BODY=FILE");
   BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "motion", n.name))];
@@ -139,7 +143,7 @@ void refuse_idle_motion(const BuildArguments& a, bool table) {
   if (table) return;
   for (const auto& [option, text] :
        {std::pair{"motion-columns", &a.motion_columns}, std::pair{"motion-rotation", &a.motion_rotation},
-        std::pair{"motion-units", &a.motion_units}})
+        std::pair{"motion-units", &a.motion_units}, std::pair{"motion-start", &a.motion_start}})
     if (!text->empty()) throw wrong(option, *text, "no table", "--motion BODY=FILE or --place NAME=FILE:ROW too");
 }
 
@@ -308,11 +312,12 @@ void take_motion(const MotionTable& motion, BuildInputs& inputs, std::vector<std
                 "some rotations of the table and others free (--free), which FEBio cannot say of one body",
                 "all three free or none; free those of the other bone");
   bone.motion = motion.motion;
+  bone.about_origin = motion.about_origin;
   inputs.load_times = motion.time;
-  findings.push_back(fmt::format(
-      "{}: motion of {}, from where it stands, about its centre; the model has row i, counted from 1, at time 1 + i{}",
-      motion.body, motion.words,
-      passed_over.empty() ? "" : fmt::format("; its {} not used, which --free leaves free", passed_over)));
+  findings.push_back(
+      fmt::format("{}: motion of {}, from where it stands{}; the model has row i, counted from 1, at time 1 + i{}",
+                  motion.body, motion.words, motion.about_origin ? "" : ", about its centre",
+                  passed_over.empty() ? "" : fmt::format("; its {} not used, which --free leaves free", passed_over)));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ int info(const InfoArguments& arguments);
 
 struct ConvergeArguments : ModelArguments {
   std::string target = "0.01", max_springs = "400000", json;
-  bool quiet = false, verbose = false;
+  bool overwrite = false, quiet = false, verbose = false;
 };
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
@@ -68,7 +68,7 @@ struct BuildArguments {
   std::string half_gap, units, scale, reach, rim, fade, edge, layers, least, bone_shells, E, nu, penalty, primary;
   std::string side, scan_axes, hip, frames, hip_figure, landmark_units;
   std::string mirror, loads, load_columns, load_units, body_weight;
-  std::string motion, motion_columns, motion_rotation, motion_units, ligaments;
+  std::string motion, motion_columns, motion_rotation, motion_units, motion_start, ligaments;
   std::string output, json, report, threads;
   bool keep_holes = false, flip_landmarks = false, overwrite = false, quiet = false;
 };
@@ -80,7 +80,7 @@ int start_build(const BuildArguments& arguments);
 
 struct PluginBuildArguments {
   std::string febio, output, threads;
-  bool untested = false, verbose = false;
+  bool overwrite = false, untested = false, verbose = false;
 };
 CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
 int plugin_build(const PluginBuildArguments& arguments);
@@ -121,6 +121,7 @@ int cite(const CiteArguments& arguments);
 struct ManArguments {
   const CLI::App* program = nullptr;  ///< with all its commands
   std::string command, output;
+  bool overwrite = false;
 };
 CLI::App* add_man(CLI::App& app, ManArguments& arguments);
 int man(const ManArguments& arguments);

@@ -201,9 +201,14 @@ int compare_command(const CompareArguments& a) {
     files.push_back(read_result(a.files[i], labels[i]));
     progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
   }
-  const HeldOutputs held =
-      claim_outputs(inputs, {{"-o", a.output}, {"--json", a.json}, {"--csv", a.csv}, {"--report", a.report}});
-  if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Comparison));
+  const std::vector<NamedPath> others = {{"--json", a.json}, {"--csv", a.csv}, {"--report", a.report}};
+  std::vector<NamedPath> outputs = others;
+  outputs.insert(outputs.begin(), {"-o", a.output});
+  const HeldOutputs held = claim_outputs(inputs, outputs);
+  if (!a.overwrite) {
+    refuse_to_replace("-o", a.output, why_kept(a.output, PlotKind::Comparison));
+    refuse_to_replace(others);
+  }
   progress.now("comparing", "", "");
   const Comparison comparison = compare_files(files, options);
   progress.now("writing", "", "");

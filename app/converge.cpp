@@ -36,6 +36,7 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   add_once(*c, "--target", a.target, "CHANGE", "Study", "Largest change allowed, between 0 and 1: 0.05 for 5% [0.01]");
   add_once(*c, "--max-springs", a.max_springs, "N", "Study", "Most springs per contact to try [400000]");
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
+  add_overwrite_flag(*c, a.overwrite);
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
       ->excludes(q)
@@ -60,6 +61,7 @@ int converge_command(const ConvergeArguments& a) {
   settle_units(model, settings);
   read_thickness(model, settings);
   const HeldOutputs held = claim_outputs(input_files(a, settings), {{"--json", a.json}});
+  if (!a.overwrite) refuse_to_replace({{"--json", a.json}});
 
   double last = seconds();
   const auto watch = [&](const Activity& activity) {

@@ -55,7 +55,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
                   "it names none, FEBio takes its default]",
                   fmt::join(linear_solver_names(), ", "))
           .c_str());
-  add_model_overwrite_flag(*c, a.overwrite, "one with a contact of type dea");
+  add_overwrite_flag(*c, a.overwrite);
   add_quiet_flag(*c, a.quiet);
   add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});
   return c;
@@ -73,7 +73,7 @@ int convert(const ConvertArguments& a) {
   read_thickness(model, settings);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
-  if (!a.overwrite) refuse_to_replace(output, why_kept_model(output, ModelOf::Convert));
+  if (!a.overwrite) refuse_to_replace("-o", output, why_kept_model(output, ModelOf::Convert));
 
   const Conversion conversion = convert_feb(model, settings, output, solver);
   write_text(output, conversion.text);

@@ -34,22 +34,36 @@ void check(const char* option, const std::string& code, const char* besides) {
 
 }  // namespace
 
-CLI::Option* add_findings_options(CLI::App& command, FindingsArguments& a) {
+void add_findings_options(CLI::App& command, FindingsArguments& a) {
   command
       .add_option("--error-on", a.error_on,
                   "End with code 1 if there is a finding of this code, or any \"warning\"; may be repeated")
       ->type_name("CODE")
       ->group("Output");
-  return command
+  command
       .add_flag("-q,--quiet", a.quiet,
                 "Print only errors, and what has no solution; with a code, --quiet CODE, all but the findings of this "
                 "code; may be repeated")
       ->group("Output");
 }
 
-void check_codes(const FindingsArguments& a) {
+void check_codes(const FindingsArguments& a, bool verbose) {
+  if (verbose && quiet_altogether(a)) throw UsageError("-q and -v: found both, expected one of them");
   for (const std::string& code : a.quiet) check("--quiet", code, kAll);
   for (const std::string& code : a.error_on) check("--error-on", code, kAnyWarning);
+}
+
+void check_warning_codes(const FindingsArguments& a) {
+  for (const std::string& code : a.error_on) {
+    const Rule* rule = find_rule(code);
+    if (rule == nullptr || std::any_of(rule->words.begin(), rule->words.end(),
+                                       [](const Words& words) { return words.severity == Severity::Warning; }))
+      continue;
+    throw UsageError(
+        fmt::format("--error-on {}: found a note, which a study does not keep; expected the code of a "
+                    "warning, or warning (docs/findings.md)",
+                    code));
+  }
 }
 
 bool quiet_altogether(const FindingsArguments& a) { return holds(a.quiet, kAll); }
@@ -79,14 +93,16 @@ bool refused_codes(const std::vector<std::string>& codes, const FindingsArgument
   return !refused.empty();
 }
 
-bool tell_refused(const Findings& findings, const FindingsArguments& a) {
+std::vector<std::string> codes_of(const Findings& findings) {
   std::vector<std::string> codes;
   for (const Finding& f : findings) {
     codes.push_back(f.code);
     if (severity(f) == Severity::Warning) codes.emplace_back(kAnyWarning);
   }
-  return refused_codes(codes, a);
+  return codes;
 }
+
+bool tell_refused(const Findings& findings, const FindingsArguments& a) { return refused_codes(codes_of(findings), a); }
 
 std::vector<std::string> with_joined_codes(const std::vector<std::string>& words) {
   std::vector<std::string> joined;

@@ -13,11 +13,13 @@ struct FindingsArguments {
   std::vector<std::string> error_on;  ///< codes, or "warning": any
 };
 
-/// -q, --quiet CODE and --error-on CODE. Returns the first.
-CLI::Option* add_findings_options(CLI::App& command, FindingsArguments& arguments);
+/// -q, --quiet CODE and --error-on CODE.
+void add_findings_options(CLI::App& command, FindingsArguments& arguments);
 
-/// UsageError: a code that no rule has.
-void check_codes(const FindingsArguments& arguments);
+/// UsageError: a code that no rule has; -q by itself beside -v.
+void check_codes(const FindingsArguments& arguments, bool verbose);
+/// UsageError: --error-on names a code that is never a warning, and a study keeps warnings alone.
+void check_warning_codes(const FindingsArguments& arguments);
 
 /// -q by itself.
 bool quiet_altogether(const FindingsArguments& arguments);
@@ -28,6 +30,8 @@ void tell(const Findings& findings, const FindingsArguments& arguments);
 /// What is printed even if nothing else is: loads without effect, and states that are no solution.
 void tell_quietly(const Analysis& result);
 
+/// The codes that --error-on may name for them.
+std::vector<std::string> codes_of(const Findings& findings);
 /// Does --error-on name one of them? Prints which.
 bool tell_refused(const Findings& findings, const FindingsArguments& arguments);
 /// The same of codes of warnings.

@@ -51,7 +51,10 @@ int info(const InfoArguments& a) {
   Settings settings = effective_settings(a.settings);
   JointModel read = read_feb(a.model);
   const HeldOutputs held = claim_outputs(input_files(a, settings), {{"-o", a.output}, {"--json", a.json}});
-  if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Check));
+  if (!a.overwrite) {
+    refuse_to_replace("-o", a.output, why_kept(a.output, PlotKind::Check));
+    refuse_to_replace({{"--json", a.json}});
+  }
   settle_units(read, settings);
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings);

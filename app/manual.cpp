@@ -140,6 +140,7 @@ CLI::App* add_man(CLI::App& app, ManArguments& a) {
   c->footer(kManFooter);
   c->add_option("COMMAND", a.command, "The command [the program itself]")->type_name("");
   add_once(*c, "-o", a.output, "DIR", "Output", "Write all pages into this folder, made if it is missing");
+  add_overwrite_flag(*c, a.overwrite);
   return c;
 }
 
@@ -152,9 +153,15 @@ int man(const ManArguments& a) {
     const std::filesystem::path folder = a.output;
     if (!std::filesystem::is_directory(folder, error) && !std::filesystem::create_directory(folder, error))
       throw WriteError(fmt::format("{}: {}", a.output, error.message()));
-    write_text((folder / (manual_name(program, program) + ".1")).string(), manual_page(program, program));
-    for (const CommandWords& command : program.commands)
-      write_text((folder / (manual_name(program, command) + ".1")).string(), manual_page(program, command));
+    std::vector<std::pair<std::string, std::string>> pages;  // path, text
+    const auto add = [&](const CommandWords& command) {
+      pages.emplace_back((folder / (manual_name(program, command) + ".1")).string(), manual_page(program, command));
+    };
+    add(program);
+    for (const CommandWords& command : program.commands) add(command);
+    for (const auto& page : pages)
+      if (!a.overwrite) refuse_to_replace({{"-o", page.first}});
+    for (const auto& [path, text] : pages) write_text(path, text);
     return kSolved;
   }
   const CommandWords* chosen = a.command.empty() ? &program : nullptr;

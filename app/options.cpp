@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "io/files/output.h"
+#include "io/results/existing_file.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
@@ -24,6 +25,16 @@ std::string type_of(const SettingOption& option) {
   return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
 }
 
+/// A setting's help, with the settings that it names as the command line has them.
+std::string help_of(const SettingOption& option) {
+  std::string text;
+  for (const std::string& part : split(option.help, '{')) {
+    const std::size_t end = part.find('}');
+    text += end == part.npos ? part : command_line_wording()({part.substr(0, end)}) + part.substr(end + 1);
+  }
+  return text;
+}
+
 void add_switch(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
   const auto add = [&](const std::string& name, const char* value, const char* help) {
     command
@@ -38,7 +49,7 @@ void add_switch(CLI::App& command, std::vector<std::string>& values, const Setti
 void add_value(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
   const bool several = option.key != nullptr || option.repeatable;
   // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
-  command.add_option(fmt::format("--{}", option.name), values, option.help)
+  command.add_option(fmt::format("--{}", option.name), values, help_of(option))
       ->type_name(type_of(option))
       ->allow_extra_args(false)
       ->group(option.group)
@@ -140,17 +151,20 @@ void add_compress_flag(CLI::App& command, bool& compress) {
 void add_overwrite_flag(CLI::App& command, bool& overwrite) {
   command
       .add_flag("--overwrite", overwrite,
-                "Replace any existing plot file [only one that dea wrote, of the same mesh, if no state would be "
-                "lost]")
+                "Replace files that are there, whatever they are [only what dea made itself, if nothing else would be "
+                "lost with it]")
       ->group("Output");
 }
 
-void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::string& only) {
-  command.add_flag("--overwrite", overwrite, fmt::format("Replace any existing file [only {}]", only))->group("Output");
+void refuse_to_replace(const std::string& option, const std::string& path, const std::string& why,
+                       const std::string& does) {
+  if (!why.empty()) throw WriteError(fmt::format("{}: {}; --overwrite {}, {} writes another", path, why, does, option));
 }
 
-void refuse_to_replace(const std::string& path, const std::string& why) {
-  if (!why.empty()) throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o writes another", path, why));
+void refuse_to_replace(const std::vector<NamedPath>& outputs, const std::string& does) {
+  for (const NamedPath& output : outputs)
+    if (!output.folder && output.path != "-")
+      refuse_to_replace(output.option, output.path, why_kept_file(output.path), does);
 }
 
 std::vector<NamedPath> input_files(const ModelArguments& a, const Settings& settings) {

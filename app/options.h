@@ -54,12 +54,13 @@ void add_repeated(CLI::App& command, const char* name, std::vector<std::string>&
 /// -q, --compress as all commands that have them spell them.
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
 void add_compress_flag(CLI::App& command, bool& compress);
-/// --overwrite of a plot file that is there already.
+/// --overwrite: one meaning for all commands that write files.
 void add_overwrite_flag(CLI::App& command, bool& overwrite);
-/// The same of a model. `only`: what gives way unasked.
-void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::string& only);
-/// WriteError that ends in what to do; `why` (existing_file.h) is empty: nothing.
-void refuse_to_replace(const std::string& path, const std::string& why);
+/// WriteError that ends in what to do; `why` (existing_file.h) is empty: nothing. `does`: what --overwrite would do.
+void refuse_to_replace(const std::string& option, const std::string& path, const std::string& why,
+                       const std::string& does = "replaces it");
+/// The same of each output that is a file but no model, plot file or study: only one that dea made gives way.
+void refuse_to_replace(const std::vector<NamedPath>& outputs, const std::string& does = "replaces it");
 
 /// What must not be written over: the model, the settings file, the tables that `settings` name.
 std::vector<NamedPath> input_files(const ModelArguments& a, const Settings& settings);

@@ -13,6 +13,7 @@
 #include "app/progress.h"
 #include "io/files/output.h"
 #include "io/files/system.h"
+#include "io/results/existing_file.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
@@ -204,8 +205,8 @@ class Encoder {
         "-c:v", "libx264", "-preset", "medium", "-crf", "12", "-pix_fmt", "yuv420p", "-colorspace", "bt709",
         "-color_primaries", "bt709", "-color_trc", "bt709",
         // the same bytes every time, on machines with however many cores
-        "-threads", "1", "-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags",
-        "+faststart", "-f", "mp4", "/dev/fd/3"};
+        "-threads", "1", "-map_metadata", "-1", "-metadata", fmt::format("comment={}", kPictureMark), "-fflags",
+        "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart", "-f", "mp4", "/dev/fd/3"};
     int frames = -1;
     if (!open_pipe(frames, pipe_)) throw WriteError(fmt::format("{}: no pipe to ffmpeg", path_));
     const int said = said_ < 0 ? kStandardError : said_;
@@ -373,7 +374,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
       *c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
       "Instead of one picture, show the states one after the other: a GIF, an MP4 (by ffmpeg) or a folder of PNGs");
   add_once(*c, "--fps", a.fps, "N", "Output", "States per second of --animate [12]");
-  c->add_flag("--overwrite", a.overwrite, "As without it: a picture that is there is replaced")->group("Output");
+  add_overwrite_flag(*c, a.overwrite);
   add_quiet_flag(*c, a.quiet);
   add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
                "Surface to draw; may be repeated [the one with springs, or else with the highest pressure]");
@@ -438,7 +439,9 @@ int plot_command(const PlotArguments& a) {
   for (std::vector<ResultFile>* some : {&files, &minus})
     for (ResultFile& file : *some) name_units(file, a.units);
   const bool folder = !a.animate.empty() && animation.format == Animation::Format::Folder;
-  const HeldOutputs held = claim_outputs(inputs, {{a.animate.empty() ? "-o" : "--animate", output, folder}});
+  const std::vector<NamedPath> outputs = {{a.animate.empty() ? "-o" : "--animate", output, folder}};
+  const HeldOutputs held = claim_outputs(inputs, outputs);
+  if (!a.overwrite) refuse_to_replace(outputs);
   const ResultFile* taken = minus.empty() ? nullptr : &minus.front();
   const Drawn drawn = a.animate.empty() ? draw_picture(files, taken, options, look, a.title, output)
                                         : animate(files, taken, options, look, a.title, animation, a.quiet);

@@ -134,6 +134,7 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
   c->footer(kPluginBuildFooter);
   c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
   add_once(*c, "-o", a.output, "DIR", "Output", "Folder for the library [the current one]");
+  add_overwrite_flag(*c, a.overwrite);
   c->add_flag("-v,--verbose", a.verbose, "What cmake and the compiler say, on standard error")->group("Output");
   c->add_flag("--untested", a.untested, "Compile also for a version of FEBio the plugin has not been tested with");
   add_once(*c, "--threads", a.threads, "N", "Computer", "Files to compile at a time [number of cores]");
@@ -190,6 +191,7 @@ int plugin_build(const PluginBuildArguments& a) {
   }
   if (library.empty()) throw std::runtime_error("the build made no libfebio_dea");
   const std::string target = (output / library.filename()).string();
+  if (!a.overwrite) refuse_to_replace({{"-o", target}});
   write_text(target, text_of(library));
   print(fmt::format("{}\n<import>{}</import>\n", target, escaped(target)));
   return kSolved;

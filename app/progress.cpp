@@ -101,7 +101,7 @@ void Progress::step(const std::string& what, const std::string& details, std::si
   if (style_ == ProgressStyle::Quiet) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (style_ == ProgressStyle::Every) {
-    write_(message_line(details) + "\n");
+    if (!details.empty()) write_(message_line(details) + "\n");
     return;
   }
   if (!first_step_) first_step_ = start_;

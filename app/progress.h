@@ -33,7 +33,8 @@ class Progress {
   /// "iteration 2". `details` stand on their own line in style Every, unless they are empty.
   void now(const std::string& what, const std::string& within, const std::string& details, std::size_t done = 0,
            std::size_t total = 0);
-  /// Step `done` of `total` has been done. `what`: "state 3 of 23"; `details` stand on its own line in style Every.
+  /// Step `done` of `total` has been done. `what`: "state 3 of 23"; `details` stand on its own line in style Every,
+  /// unless they are empty.
   void step(const std::string& what, const std::string& details, std::size_t done, std::size_t total);
   void clear();
   /// Time has passed.

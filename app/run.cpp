@@ -64,10 +64,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       add_output(o);
   }
   add_overwrite_flag(*c, a.overwrite);
-  CLI::Option* q = add_findings_options(*c, a.findings);
+  add_findings_options(*c, a.findings);
   c->add_flag("-v,--verbose", a.verbose,
               "Also print every iteration, and a line per state: iterations, residual, seconds")
-      ->excludes(q)
       ->group("Output");
   c->add_flag("--details", a.details, "Print more numbers of every contact and state, with their full names")
       ->group("Output");
@@ -169,7 +168,7 @@ void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings
 
 int run(const RunArguments& a) {
   const bool quiet = quiet_altogether(a.findings);
-  check_codes(a.findings);
+  check_codes(a.findings, a.verbose);
   const double start = seconds();
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;
@@ -192,6 +191,9 @@ int run(const RunArguments& a) {
   if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   const HeldOutputs held = claim_outputs(files, outputs);
+  std::vector<NamedPath> others = outputs;
+  std::erase_if(others, [&](const NamedPath& file) { return file.path == output; });
+  if (!a.overwrite) refuse_to_replace(others);
   files.insert(files.end(), outputs.begin(), outputs.end());
   const std::string name_note = output.empty() ? "" : plot_name_note(output_option, output);
   const bool replaces = would_replace(output);
@@ -205,7 +207,7 @@ int run(const RunArguments& a) {
   tell_cost(recognition, quiet, progress);
   Findings told;
   options.on_times = [&](const std::vector<double>& times) {
-    if (!output.empty() && !a.overwrite) refuse_to_replace(output, why_kept(output, recognition.model, times));
+    if (!a.overwrite) refuse_to_replace("-o", output, why_kept(output, recognition.model, times));
     if (!quiet) told = tell_of_model(recognition, a.findings, progress);
   };
   if (!page.empty()) {

@@ -27,7 +27,7 @@ The factor's name, before the colon, is a column of the results. Cases are all c
 of --cases or point of --sample. Options act in the order in which they are given, also those of factors. All other options of
 dea run hold for all cases. With --loads and --motion the rows are the states of each case.
 
-To go on after a stop, give the same command again. FILE.db is a SQLite database: docs/studies.md says what is in it.
+To go on after a stop, give the same command again; --overwrite begins anew. FILE.db is a SQLite database: docs/studies.md says what is in it.
 
 Examples:
   dea study hip.feb --vary "E: E={8|12|16}" --vary "tilt: rotate pelvis=0,1,0,{-10:10:5}" --states last -o plan.db
@@ -67,14 +67,15 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
   c->footer(kStudyFooter);
   c->add_option("FILE", a.files, "FEBio models, or a study's file (.db) to read")->type_name("");
   add_case_options(*c, a);
-  add_once(*c, "-o", a.output, "FILE.db", "Output", "File of the study; results are added to it as they come");
+  add_once(*c, "-o", a.output, "FILE.db", "Output",
+           "File of the study; results are added to it as they come; with --overwrite it begins anew");
   add_once(*c, "--csv", a.csv, "FILE|-", "Output", "Also write CSV, a line per case, state and contact");
   add_repeated(*c, "--keep", a.keep, "fields|xplt", "Output",
                "Also keep pressures at the nodes in the file, or a plot file per case in the folder FILE_xplt");
   c->add_flag("--merge", a.merge, "Join the files of shards into that of -o")->group("Output");
-  c->add_flag("--overwrite", a.overwrite, "Begin anew if the file exists [go on with it]")->group("Output");
-  CLI::Option* q = add_findings_options(*c, a.findings);
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->excludes(q)->group("Output");
+  add_overwrite_flag(*c, a.overwrite);
+  add_findings_options(*c, a.findings);
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->group("Output");
   add_study_report_options(*c, a);
   add_solving_options(*c, a.settings, a.threads);
   return c;
@@ -157,6 +158,7 @@ int solve_study(const StudyArguments& a) {
   output.remedy = "--overwrite begins anew, -o FILE.db makes another";
   study_page_options(a);  // what is wrong with them, before anything is solved
   output.others = written_beside(a);
+  if (!a.overwrite) refuse_to_replace(output.others, "replaces it and begins " + a.output + " anew");
   Progress progress(progress_style(quiet_altogether(a.findings), a.verbose));
   Study study = study_of(a, progress);
   check_study_columns(a, study.plan);
@@ -203,9 +205,11 @@ int dry_run(const StudyArguments& a) {
   StudyOptions options = study.options;
   options.workers = 1;
   std::vector<double> times;
+  std::vector<std::string> codes;  // of warnings
   std::string failed;
   options.done = [&](CaseResult&& result) {
     times.push_back(result.seconds);
+    for (const std::string& code : codes_of(result.warnings)) codes.push_back(code);
     if (result.outcome != CaseResult::Outcome::Solved && failed.empty())
       failed = fmt::format("case {}: {}: {}", result.number, case_words(plan, result.number - 1), result.message);
     progress.step("solving a few", "", times.size(), few.size());
@@ -221,13 +225,15 @@ int dry_run(const StudyArguments& a) {
                     plural(static_cast<std::size_t>(study.options.workers), "thread"),
                     shard.of > 1 ? fmt::format(" for each of {} shards", shard.of) : ""));
   if (!failed.empty()) log("no solution: " + failed);
-  return failed.empty() ? kSolved : kNoSolution;
+  const bool refused = refused_codes(codes, a.findings);
+  return failed.empty() && !refused ? kSolved : kNoSolution;
 }
 
 }  // namespace
 
 int study(const StudyArguments& a) {
-  check_codes(a.findings);
+  check_codes(a.findings, a.verbose);
+  check_warning_codes(a.findings);
   if (a.merge) return merge_shards(a);
   for (const std::string& file : a.files)
     if (extension_of(file) == ".db" || is_database(file)) return read_study(a, file);

@@ -52,9 +52,9 @@ std::string numbered(const char* word, const std::string& numbers) {
   return fmt::format("{}{} {}", word, numbers.find_first_of(",-") == std::string::npos ? "" : "s", numbers);
 }
 
-/// How many cases have warnings, and one of them; empty: none has.
-std::string warned_line(const std::string& path) {
-  const StudyWarned warned = count_warned(path);
+/// How many cases have warnings that are not to be quiet, and one of them; empty: none has.
+std::string warned_line(const std::string& path, const std::vector<std::string>& quiet) {
+  const StudyWarned warned = count_warned(path, quiet);
   if (warned.cases == 0) return "";
   return fmt::format("{}: {} of {} with warnings, such as case {}: {}", path, warned.cases,
                      plural(count_cases(path).all(), "case"), warned.first, warned.text);
@@ -104,7 +104,7 @@ int end_study(const StudyHead& head, const StudyArguments& a, const std::string&
   write_study_report(a, head.path);
   if (!summary.empty() && !quiet_altogether(a.findings)) {
     log(summary);
-    if (const std::string warned = warned_line(head.path); !warned.empty()) log(warned);
+    if (const std::string warned = warned_line(head.path, a.findings.quiet); !warned.empty()) log(warned);
   }
   const std::string failed = failed_line(head);
   if (!failed.empty()) log(failed);
@@ -123,6 +123,7 @@ int read_study(const StudyArguments& a, const std::string& path) {
   std::vector<NamedPath> inputs = {{"the study", path}};
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
   const HeldOutputs held = claim_outputs(inputs, written_beside(a));
+  if (!a.overwrite) refuse_to_replace(written_beside(a));
   if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
   return end_study(head, a, "");
 }
@@ -139,6 +140,7 @@ int merge_shards(const StudyArguments& a) {
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (has_content(a.output) && !a.overwrite)
     throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));
+  if (!a.overwrite) refuse_to_replace(written_beside(a));
   for (const std::string& file : a.files) read_study_head(file);
   const MergedStudies merged = merge_studies(a.files, a.output);
   const int code =

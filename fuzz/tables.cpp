@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const int kind = data[0] % 10;
+  const int kind = data[0] % 11;
   const char* ending = kind == 1 ? ".sto" : kind == 6 ? ".fcsv" : kind == 7 ? ".mrk.json" : ".csv";
   const std::string path = dea::fuzz::file_of(data + 1, size - 1, ending);
   dea::fuzz::answer_or_refusal([&] {
@@ -17,15 +17,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       dea::read_case_table(path);
       return;
     }
-    if (kind == 8) {
+    if (kind == 9) {
       dea::read_pose(path);
       return;
     }
-    if (kind == 9) {
+    if (kind == 10) {
       dea::read_ligaments(path, "mm");
       return;
     }
-    if (kind > 4) {
+    if (kind > 4 && kind < 8) {
       dea::read_landmarks(path);
       return;
     }
@@ -35,6 +35,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (kind <= 1) {
       settings.loads.file = path;
       settings.loads.body = "femur";
+    } else if (kind == 8) {  // matrices
+      settings.motion.file = path;
+      settings.motion.body = "femur";
+      settings.motion.start = "1";
     } else if (kind == 2) {
       settings.motion.file = path;
       settings.motion.body = "femur";

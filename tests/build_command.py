@@ -492,10 +492,12 @@ def a_bone_stands_where_it_is_placed(folder):
     folder.write("ras.tfm", itk(over(back[0]), tuple(v * (-1 if i < 2 else 1) for i, v in enumerate(back[1]))))
     folder.write("poses.csv", "tx,ty,tz,rx,ry,rz\n9,9,9,0,0,0\n3,-40,7,20,0,0\n")
     table = ("--motion-rotation", "xyz", "--motion-units", "deg-mm")
+    names = ",".join(f"ball_T{i}{k}" for i in range(1, 5) for k in range(1, 5))
+    folder.write("matrices.csv", f"{names}\n" + ",".join(repr(float(v)) for row in rows for v in row) + "\n")
     for place, more, said in (("pose.txt", (), "turned by 20 degrees about (1, 0, 0)"), ("inverse:back.txt", (), "the other way round"),
                               (",".join(repr(float(v)) for row in rows for v in row), (), "as given"),
                               ("T.tfm", (), "turned round; the bones' axes taken as LPS"), ("inverse:forwards.tfm", (), "inverse:"),
-                              ("ras.tfm", ("--scan-axes", "RAS"), "taken as RAS"), ("poses.csv:2", table, "row 2 of poses.csv")):
+                              ("ras.tfm", ("--scan-axes", "RAS"), "taken as RAS"), ("poses.csv:2", table, "row 2 of poses.csv"), ("matrices.csv:1", ("--motion-columns", "ball_T"), "row 1 of matrices.csv")):
         folder.write("back.txt", "\n".join(" ".join(repr(float(v)) for v in (*row, c)) for row, c in zip(*back)) + "\n0 0 0 1")
         done = folder.build(*words, "--place", f"ball={place}", *more)
         same(done.returncode, 0, f"{place}: {done.stderr}")
@@ -586,6 +588,22 @@ def a_table_of_poses_presses_as_the_load_that_leads_there(folder):
     # the force at a pose that is known to 1e-3 of the force (the search's end)
     for c, f in zip("xyz", (100, 0, 500)):
         close(float(row[f"force_{c}"]), f, 1, "force at the pose")
+    # matrices turn about the origin, not about the ball's centre; the ball is put aside so that both differ
+    aside = (2.0, -3.0, 1.0)
+    for name, triangles in (("ball", ball(16, 20)), ("socket", socket(16, 24))):
+        folder.write(f"{name}.stl", stl(moved(triangles, lambda x: tuple(c + d for c, d in zip(x, aside)))))
+    quarter = ((0, -1, 0), (1, 0, 0), (0, 0, 1))  # about z: the ball's mesh is its own image
+    shift = [c + d - e for c, d, e in zip(aside, seat, times(quarter, aside))]
+    names = ",".join(f"ball_T{i}{k}" for i in range(1, 5) for k in range(1, 5))
+    folder.write("matrices.csv", f"{names}\n" + ",".join(repr(float(v)) for v in (*(v for row, d in zip(quarter, shift) for v in (*row, d)), 0, 0, 0, 1)) + "\n")
+    done = folder.build(*JOINT[:4], "--half-gap", "max=3,min=0.5", "--motion", "ball=matrices.csv", "--motion-columns", "ball_T", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    (bone,) = json.loads(folder.read("j.json"))["loads"][0]["bones"]
+    for x, y in zip(bone["displacement"], seat):
+        close(x, y, 1e-3, "displacement of the centre by a matrix")
+    close(bone["turn"][2], 90, 1e-6, "turn by a matrix")
+    for name, triangles in (("ball", ball(16, 20)), ("socket", socket(16, 24))):
+        folder.write(f"{name}.stl", stl(triangles))
     # --free takes dofs out of the table: balance there, poses elsewhere
     done = folder.build(*JOINT[:6], "--motion", "ball=poses.csv", "--free", "ball=x,y", "--json", "j.json")
     same(done.returncode, 0, done.stderr)
@@ -756,7 +774,7 @@ def landmarks_in_another_unit_are_refused(folder):
     folder.write("metres.csv", folder.read("metres.csv") + "HJC,0,0,0.5\n")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "-q")
     same(done.returncode, 3, done.stderr)
-    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (landmark-units)"):
+    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (--landmark-units m)"):
         true(words.replace("from", "away from") in done.stderr, f"{words}: {done.stderr}")
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "--landmark-units", "m", "-q")
     same(done.returncode, 0, done.stderr)
@@ -837,6 +855,23 @@ def a_model_of_somebody_elses_stays(folder):
     for more in (("--overwrite",), ()):
         same(folder.dea("build", "-o", "mine.feb", *JOINT, "-q", *more).returncode, 0, more)
     true("Made by dea build" in folder.read("mine.feb"), "the mark")
+
+
+@check
+def files_beside_the_model_that_are_somebody_elses_stay(folder):
+    """What dea build made gives way; frames with a user's settings are the user's."""
+    folder.write("l.csv", landmarks(0.3))
+    words = ("build", "-o", "own.feb", *JOINT, "--landmarks", "l.csv", "-q")
+    for option, name in (("--json", "b.json"), ("--report", "b.html"), ("--frames", "b.xml")):
+        folder.write(name, "mine\n")
+        done = folder.dea(*words, option, name)
+        same((done.returncode, folder.read(name)), (4, "mine\n"), done.stderr)
+        true(f"{name}: it is there already, not made by dea; --overwrite replaces it, {option} writes another" in done.stderr, done.stderr)
+        for more in (("--overwrite",), ()):
+            same(folder.dea(*words, option, name, *more).returncode, 0, (option, more))
+    frames = folder.read("b.xml")
+    folder.write("b.xml", frames.replace("</febiodea_settings>", "<law>linear</law></febiodea_settings>"))
+    same(folder.dea(*words, "--frames", "b.xml").returncode, 4, "frames with a setting")
 
 
 @check

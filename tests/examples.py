@@ -5,6 +5,7 @@ begin with `dea`, and code in a sentence that names a file. Runs each in a folde
 where the exit code is not 0, where a file that the line or the words beside it name is not there afterwards, and where a
 "note: ..." shown below it is not printed. A new example with a new file name needs a line in FILES."""
 import concurrent.futures
+import math
 import os
 import pathlib
 import re
@@ -26,6 +27,25 @@ COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "b
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
 if not (dea.parent / "dea-build").exists():
     SKIPPED["build"] = "no dea-build was built"
+
+
+
+def poses(*flexions):
+    """As OpenSim-JAM writes it: a femur flexed about x on a tibia that leans by 10 degrees, 0.4 m up; nRows too small."""
+    def turn(degrees, axis):
+        c, s, (i, j) = math.cos(math.radians(degrees)), math.sin(math.radians(degrees)), ((1, 2), (2, 0), (0, 1))[axis]
+        m = [[float(a == b) for b in range(4)] for a in range(4)]
+        m[i][i], m[i][j], m[j][i], m[j][j] = c, -s, s, c
+        return m
+    lean = turn(10, 1)
+    lean[2][3] = 0.4
+    names = [f"{body}_T{i}{j}" for body in ("femur_r", "tibia_r") for i in range(1, 5) for j in range(1, 5)]
+    rows = []
+    for time, flexion in enumerate(flexions, 1):
+        femur = [[sum(lean[i][k] * turn(flexion, 0)[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+        rows.append("\t".join(map(repr, [time, *sum(femur, []), *sum(lean, [])])))
+    return "nColumns=33\nnRows=1\nDataType=double\nversion=3\nendheader\n" + "\n".join(["\t".join(["time", *names]), *rows, ""])
+
 
 HIP, FEBIO = "samples/hip/hip_walking.feb", "samples/hip/hip_walking_febio.xplt"
 # The same hip in 7 states instead of 23: a user's own, of which no example names the states.
@@ -80,6 +100,7 @@ FILES = {
     **{f"plan.{i}-of-4.db": f"dea study hip.feb --vary 'E: E={{8:14:2}}' --states last --shard {i}/4 -o plan.db" for i in range(1, 5)},
     "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight
     "pelvis_forces.csv": "time,fx,fy,fz\n0,20,150,-30\n1,33,229,-54\n",  # the same, forwards, up, to the right
+    "poses.sto": poses(0, 6),
     "gait.sto": "gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\n"
                 "time\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n",
 }

@@ -337,6 +337,38 @@ def test_warnings_are_counted_at_the_end(f):
     assert err == "", err
 
 
+def test_codes_that_are_quiet_or_refused(f):
+    """What dea run has of --quiet CODE and --error-on CODE, a study and its dry run have, too."""
+    line = ["ball.feb", "--vary", "E: E={0.5|0.6}", "--states", "last"]
+    f.run(*line, "-o", "plan.db")
+    codes = sorted({code for text, in f.query("plan.db", "SELECT codes FROM results") for code in text.split(" ")})
+    assert codes == sorted(code for code, in f.query("plan.db", "SELECT DISTINCT code FROM warnings")), codes
+    quiet = [word for code in codes for word in ("--quiet", code)]
+    _, err = f.run(*line, "-o", "plan.db", *quiet)
+    assert "with warnings" not in err, err
+    _, err = f.run(*line, "-o", "plan.db", *quiet[2:])  # all but one
+    assert "with warnings" in err, err
+    refused = f"error: found {codes[0]}, which --error-on refuses"
+    expect(f.fault(*line, "-o", "plan.db", "--error-on", codes[0], code=1), refused)
+    _, err = f.run(*line, "--dry-run", "--error-on", codes[0], "-v", code=1)
+    assert err.strip("\n") == err[:-1] and refused in err and "\n\n" not in err, err
+    f.run(*line, "--dry-run", "-v", *quiet)
+    expect(f.fault(*line, "--dry-run", "--error-on", "motion-table", code=2),
+           "--error-on motion-table: found a note, which a study does not keep")
+
+
+def test_files_of_others_are_kept(f):
+    f.write("r.csv", "x,y\n1,2\n")
+    expect(f.fault(*many(2), "-o", "plan.db", "--csv", "r.csv", code=4),
+           "r.csv: it is there already, not made by dea; --overwrite replaces it and begins plan.db anew, --csv writes another")
+    f.run(*many(2), "-o", "plan.db", "--csv", "own.csv")
+    f.run(*many(2), "-o", "plan.db", "--csv", "own.csv")
+    expect(f.fault("plan.db", "--csv", "r.csv", code=4), "r.csv: it is there already, not made by dea; --overwrite replaces it, --csv writes another")
+    f.run("plan.db", "--csv", "r.csv", "--overwrite")
+    assert (f.path / "r.csv").read_text() == (f.path / "own.csv").read_text()
+    assert f.query("plan.db", "SELECT count(*) FROM cases")[0][0] == 2
+
+
 def test_failed_cases_are_rows_and_are_solved_again(f):
     f.write("bad.feb", "<febio_spec")
     line = ["ball.feb", "bad.feb", *LAW, "--vary", "E: E={8|9}", "--states", "last", "-o", "plan.db"]

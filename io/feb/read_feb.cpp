@@ -241,13 +241,8 @@ void read_section(Reading& reading, const XMLElement& section) {
   pass_over_section(reading, section);
 }
 
-}  // namespace
-}  // namespace feb
-
-JointModel read_feb(const std::string& path) {
-  using namespace feb;
-  const std::unique_ptr<XMLDocument> document = load_xml(path);
-  const XMLElement& root = need_root(*document, path);
+JointModel read_document(const XMLDocument& document, const std::string& path) {
+  const XMLElement& root = need_root(document, path);
   Reading reading;
   reading.rules = need_rules(root, path);
   reading.model.files = {path};
@@ -260,6 +255,19 @@ JointModel read_feb(const std::string& path) {
   }
   complete_model(reading);
   return std::move(reading.model);
+}
+
+}  // namespace
+}  // namespace feb
+
+JointModel read_feb(const std::string& path) { return feb::read_document(*feb::load_xml(path), path); }
+
+JointModel read_feb_text(const std::string& text, const std::string& path) {
+  feb::XMLDocument document;
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    throw InputError(path, std::max(1, document.ErrorLineNum()),
+                     fmt::format("broken XML ({})", feb::XMLDocument::ErrorIDToName(document.ErrorID())));
+  return feb::read_document(document, path);
 }
 
 }  // namespace dea

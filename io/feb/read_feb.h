@@ -13,5 +13,7 @@ namespace dea {
 /// Throws InputError ("file:line: what was found, what was expected, what to do") on anything malformed:
 /// no XML, another root or version, a dangling id, a number that is none (NaN and infinity included), ...
 JointModel read_feb(const std::string& path);
+/// The same of a text that is in memory; `path` is what messages call it, and where it would include files from.
+JointModel read_feb_text(const std::string& text, const std::string& path);
 
 }  // namespace dea

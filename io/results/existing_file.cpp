@@ -12,11 +12,24 @@
 #include "io/xplt/xplt.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parse.h"
 #include "src/base/time_text.h"
 
 namespace dea {
 
 namespace {
+
+constexpr std::string_view kName = "FEBioDEA", kLibraryHead =
+                                                   "\x7f"
+                                                   "ELF";
+// first columns: of dea run and its compartments, its facets, dea compare, dea study
+constexpr std::string_view kTableHeads[] = {"time,contact,", "time,outcome,contact,", "label,file,time,",
+                                            "case_id,model,"};
+// JSON, pages, manual pages
+constexpr std::string_view kTextMarks[] = {"\"schema\": \"dea.", "name=\"generator\" content=\"FEBioDEA\"",
+                                           "\"FEBioDEA "};
+constexpr std::string_view kFramesMarks[] = {"?xml ", "febiodea_settings ", "/febiodea_settings>",
+                                             "!-- ",  "frame name=",        "/frame>"};
 
 /// Is the word in it? Read in pieces: a model may be as large as the memory.
 bool has(const std::string& path, std::string_view word) {
@@ -32,6 +45,35 @@ bool has(const std::string& path, std::string_view word) {
     if (text.find(word) != text.npos) return true;
   }
   return false;
+}
+
+std::string head_of(const std::string& path) {
+  std::string text(4096, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+/// A settings file of frames alone, as `dea build` writes it: a user's own settings in it would be lost.
+bool is_frames_alone(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  while (std::getline(in, text, '<'))
+    if (!trimmed(text).empty() && std::none_of(std::begin(kFramesMarks), std::end(kFramesMarks),
+                                               [&](std::string_view mark) { return text.starts_with(mark); }))
+      return false;
+  return true;
+}
+
+bool made_by_dea(const std::string& path) {
+  const std::string head = head_of(path);
+  const auto starts = [&](std::string_view mark) { return head.starts_with(mark); };
+  const auto holds = [&](std::string_view mark) { return head.find(mark) != head.npos; };
+  if (std::any_of(std::begin(kTableHeads), std::end(kTableHeads), starts)) return true;
+  if (std::any_of(std::begin(kTextMarks), std::end(kTextMarks), holds)) return true;
+  if (holds("<febiodea_settings")) return is_frames_alone(path);
+  return has(path, starts(kLibraryHead) ? kName : kPictureMark);
 }
 
 PlotKind kind_of(const XpltFile& file) {
@@ -76,6 +118,10 @@ std::string mesh_words(const XpltMesh& mesh) {
 bool would_replace(const std::string& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0 && !error;
+}
+
+std::string why_kept_file(const std::string& path) {
+  return !would_replace(path) || made_by_dea(path) ? "" : "it is there already, not made by dea";
 }
 
 std::string why_kept_model(const std::string& path, ModelOf command) {

@@ -1,4 +1,5 @@
-// io/results/existing_file.h – a model or plot file that is there already: may another one take its place unasked?
+// io/results/existing_file.h – a file that is there already: may another one take its place unasked? dea replaces what
+// it made itself.
 #pragma once
 #include <string>
 #include <string_view>
@@ -21,6 +22,14 @@ enum class ModelOf { Convert, Build };
 /// build"; empty: it may. One that is not there, is empty or no plain file may be replaced; `dea convert` replaces
 /// models with a contact of type dea, `dea build` its own that have none.
 std::string why_kept_model(const std::string& path, ModelOf command);
+
+/// In every picture and animation: what it was made by.
+inline constexpr std::string_view kPictureMark = "Made by FEBioDEA";
+
+/// Why a file that is neither a model nor a plot file nor a study must not be replaced unless it is asked for: "it is
+/// there already, not made by dea"; empty: it may. dea knows its JSON by the schema, its tables by their first columns,
+/// its pages, pictures, manual pages and libraries by its name, and its frames by having nothing else.
+std::string why_kept_file(const std::string& path);
 
 /// What a plot file of ours shows: the results of a run, what was recognised (dea info), results side by side.
 enum class PlotKind { Run, Check, Comparison };

@@ -271,12 +271,19 @@ StudyCounts count_cases(const std::string& path) {
   });
 }
 
-StudyWarned count_warned(const std::string& path) {
-  return reading(path, [](const Database& d) {
+StudyWarned count_warned(const std::string& path, const std::vector<std::string>& without) {
+  return reading(path, [&](const Database& d) {
+    std::string places;
+    for (std::size_t i = 0; i < without.size(); ++i) places += i > 0 ? ", ?" : "?";
+    const std::string from = fmt::format("FROM warnings WHERE code NOT IN ({})", places);
     StudyWarned warned;
-    Statement count(d, "SELECT count(DISTINCT case_id) FROM warnings");
+    Statement count(d, "SELECT count(DISTINCT case_id) " + from),
+        first(d, "SELECT case_id, text " + from + " ORDER BY case_id, number LIMIT 1");
+    for (const std::string& code : without) {
+      count.bind(code);
+      first.bind(code);
+    }
     if (count.step()) warned.cases = static_cast<std::size_t>(count.integer(0));
-    Statement first(d, "SELECT case_id, text FROM warnings ORDER BY case_id, number LIMIT 1");
     if (!first.step()) return warned;
     warned.first = static_cast<std::size_t>(first.integer(0));
     warned.text = first.text(1);

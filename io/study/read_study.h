@@ -36,12 +36,13 @@ struct StudyCounts {
 };
 StudyCounts count_cases(const std::string& path);
 
-/// Cases with warnings, solved or not, and the first warning of the first of them.
+/// Cases with warnings, solved or not, and the first warning of the first of them. Warnings of the codes `without` do
+/// not count.
 struct StudyWarned {
   std::size_t cases = 0, first = 0;  ///< first: its number; 0: there is none
   std::string text;
 };
-StudyWarned count_warned(const std::string& path);
+StudyWarned count_warned(const std::string& path, const std::vector<std::string>& without = {});
 /// The codes of all warnings, and "warning" if there is one.
 std::vector<std::string> warned_codes(const std::string& path);
 

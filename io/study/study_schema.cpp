@@ -158,7 +158,7 @@ CREATE VIEW results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcom
   t.contact_id, t.contact, t.source, t.target, s.outcome, s.message, s.iterations, s.residual_force, s.residual_moment,
   {contact_numbers}
   (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds{inside}{solved},
-  (SELECT group_concat(DISTINCT w.code) FROM warnings w WHERE w.case_id = c.case_id) AS codes
+  (SELECT replace(group_concat(DISTINCT w.code), ',', ' ') FROM warnings w WHERE w.case_id = c.case_id) AS codes
   FROM cases c JOIN models m ON m.model_id = c.model_id LEFT JOIN states s ON s.case_id = c.case_id
   LEFT JOIN statistics t ON t.case_id = s.case_id AND t.state = s.state{inside_of};
 CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,11 +11,13 @@
 #include <optional>
 
 #include "io/febio/febio_text.h"
+#include "io/tables/pose_matrices.h"
 #include "io/tables/table_columns.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
+#include "src/base/rotations.h"
 #include "src/base/say.h"
 #include "src/base/time_text.h"
 #include "src/base/unit_names.h"
@@ -173,6 +176,7 @@ void refuse_idle(const Settings& s) {
     refuse("motion-columns", s.motion.columns, "motion");
     refuse("motion-rotation", s.motion.rotation, "motion");
     refuse("motion-units", s.motion.units, "motion");
+    refuse("motion-start", s.motion.start, "motion");
   }
 }
 
@@ -293,7 +297,7 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
     load.head<3>() *= force;
     load.tail<3>() *= moment;
   }
-  loads.words = fmt::format("{} {}", table_in_words(table, columns, loads.time),
+  loads.words = fmt::format("{} {}", table_in_words(table, "columns " + column_names(table, columns), loads.time),
                             loads.body_weight
                                 ? fmt::format("in % of {:g}{}", *loads.body_weight,
                                               columns.size() <= 3 ? ""
@@ -311,7 +315,7 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
 
 /// Rotation vector of angles about x, y and z, taken in the order of `sequence`, each about the axis that the ones
 /// before have turned.
-Eigen::Vector3d rotation_vector(const std::string& sequence, const Eigen::Vector3d& angles) {
+Eigen::Vector3d vector_of_angles(const std::string& sequence, const Eigen::Vector3d& angles) {
   const auto turn_about = [&](int axis) { return Eigen::AngleAxisd(angles[axis], Eigen::Vector3d::Unit(axis)); };
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (int k = 0; k < 3; ++k) q = q * Eigen::Quaterniond(turn_about(sequence[at(k)] - 'x'));
@@ -319,8 +323,24 @@ Eigen::Vector3d rotation_vector(const std::string& sequence, const Eigen::Vector
   return turn.angle() * turn.axis();
 }
 
-std::vector<int> motion_columns(const NumberTable& table, const MotionTable& motion) {
-  if (!motion.columns.empty()) return given_columns(table, "motion-columns", motion.columns);
+/// What each row is: three or six columns, or the names of one or two matrices.
+struct MotionColumns {
+  std::vector<int> numbers;
+  std::vector<std::string> matrices;
+};
+
+MotionColumns given_motion(const NumberTable& table, const std::string& given) {
+  const std::vector<std::string> names = split_at_commas(given);
+  const bool matrices = names.size() <= 2 && std::none_of(names.begin(), names.end(), [&](const std::string& name) {
+                          return find_column(table, name) >= 0;
+                        });
+  if (!matrices) return {given_columns(table, "motion-columns", given), {}};
+  for (const std::string& name : names) place_columns(table, name, "motion-columns", given);
+  return {{}, names};
+}
+
+MotionColumns motion_columns(const NumberTable& table, const MotionTable& motion) {
+  if (!motion.columns.empty()) return given_motion(table, motion.columns);
   const auto words = [](const std::vector<std::string>& before) {
     std::array<std::vector<std::string>, 3> all;
     for (std::size_t k = 0; k < 3; ++k)
@@ -331,6 +351,14 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
       vector_columns(table, "motion-columns", "translation", words({"t", "translation_", "translation", "u"}));
   const std::array<int, 3> turn =
       vector_columns(table, "motion-columns", "rotation", words({"r", "rotation_", "rotation", "angle_"}));
+  const std::vector<std::string> matrices = translation[0] < 0 ? matrix_names(table) : std::vector<std::string>();
+  if (matrices.size() == 1) return {{}, matrices};
+  if (matrices.size() > 1)
+    throw InputError(Fault{.place = table.path,
+                           .found = say("found {} matrices in each row, {};", matrices.size(), name_list(matrices)),
+                           .expected = say("name the body's with {}, or the body's relative to another one's with {}",
+                                           NamedSetting{"motion-columns", "", matrices[0]},
+                                           NamedSetting{"motion-columns", "", matrices[0] + "," + matrices[1]})});
   if (translation[0] < 0)
     throw InputError(Fault{.place = table.path,
                            .found = say("found no columns tx, ty, tz among {};", named_columns(table)),
@@ -338,7 +366,97 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
                                            NamedSetting{"motion-columns", "", "TX,TY,TZ,RX,RY,RZ"})});
   std::vector<int> columns(translation.begin(), translation.end());
   if (turn[0] >= 0) columns.insert(columns.end(), turn.begin(), turn.end());
-  return columns;
+  return {columns, {}};
+}
+
+/// "m", or ANGLE-LENGTH, of which the angle says nothing of matrices.
+std::string length_of_matrices(const std::string& units) {
+  const std::size_t dash = units.find('-');
+  const std::string length = dash == std::string::npos ? units : units.substr(dash + 1);
+  if (!size_of(kLengths, length) || (dash != std::string::npos && !size_of(kAngles, units.substr(0, dash))))
+    throw wrong_setting("motion-units", units, "this is no unit of a matrix that is known;",
+                        "name the length of its last column: m, cm, mm or um");
+  return length;
+}
+
+/// Of "own-frame" or nothing, "TIME", "TIME,ground" (settings_table.cpp).
+PoseStart pose_start(const NumberTable& table, const MotionTable& motion) {
+  PoseStart start;
+  if (motion.start.empty() || motion.start == kOwnFrame) return start;
+  const std::size_t comma = motion.start.find(',');
+  const double time = parse_number(motion.start.substr(0, comma));
+  start.in_ground = comma != std::string::npos;
+  const double span = std::max(std::abs(motion.time.front()), std::abs(motion.time.back()));
+  for (std::size_t r = 0; r < motion.time.size(); ++r)
+    if (std::abs(motion.time[r] - time) <= 1e-6 * span) start.row = static_cast<int>(r);
+  if (start.row < 0)
+    throw wrong_setting("motion-start", motion.start, say("{} has no row at this time;", table.path),
+                        say("its {} rows are at times {} to {}", motion.time.size(), time_text(motion.time.front()),
+                            time_text(motion.time.back())));
+  return start;
+}
+
+/// Where the model is taken to have the body before it moves.
+std::string start_in_words(const PoseStart& start, const MotionTable& motion, bool relative) {
+  if (start.row < 0)
+    return fmt::format("the model has {} in its own frame", relative ? "each of the two bodies" : "the body");
+  const std::string row = fmt::format("as the row at time {}", time_text(motion.time[at(start.row)]));
+  if (!relative) return "the model has the body " + row;
+  return start.in_ground ? fmt::format("the model has both bodies {}, in the table's axes", row)
+                         : fmt::format("the model has the body {}, in the other body's frame", row);
+}
+
+/// What the matrices' last columns are multiplied by. InputError: what their names say is another unit.
+Scale scale_of_matrices(const JointModel& model, const NumberTable& table, const std::vector<std::string>& names,
+                        const MotionTable& motion) {
+  const std::optional<UnitNames> system = model_system(model);
+  if (motion.units.empty() && table.opensim) need_model_units(table, system, "m", {"motion-units", "", "m"});
+  std::string unit = motion.units.empty() ? "" : length_of_matrices(motion.units);
+  if (unit.empty() && table.opensim) unit = "m";
+  const UnitNames own = system.value_or(unit_names(kUnnamed));
+  Scale scale;
+  if (!unit.empty()) {
+    scale.length = *size_of(kLengths, unit) / own.metres;
+    scale.words =
+        fmt::format("in {}, the model {} {}", unit, system ? "in" : "names no units and is taken as in", own.system);
+  }
+  bool says = false;
+  for (const std::string& name : names) {
+    const std::vector<int> columns = place_columns(table, name, "motion-columns", motion.columns);
+    refuse_other_units(table, columns, 0, unit.empty() ? lower_case(own.length) : unit, length_words(),
+                       [&](const std::string&) {
+                         return unit_remedy(system, {"motion-units", "", "LENGTH"}, "m");
+                       });
+    says = says || name_says_unit(table, columns, 0, length_words());
+  }
+  if (!system && unit.empty() && says) scale.words += kTakenUnnamed;
+  if (!system && (!unit.empty() || says)) refuse_metres(model, table.path, "motion-units");
+  return scale;
+}
+
+/// `names`: of the body's matrix, and of the one it is relative to.
+void read_matrices(const JointModel& model, const NumberTable& table, const std::vector<std::string>& names,
+                   MotionTable& motion) {
+  if (!motion.rotation.empty())
+    throw wrong_setting("motion-rotation", motion.rotation,
+                        say("the rows of {} are matrices, which say how the body turns;", table.path), "leave it out");
+  const Scale scale = scale_of_matrices(model, table, names, motion);
+  motion.time = times_of(table);
+  const PoseStart start = pose_start(table, motion);
+  const bool relative = names.size() == 2;
+  const std::vector<Eigen::Isometry3d> body = poses_of(table, names[0], scale.length);
+  std::vector<Eigen::Isometry3d> other;
+  if (relative) other = poses_of(table, names[1], scale.length);
+  motion.motion.clear();
+  for (const Eigen::Isometry3d& move : moves_from(start, body, other)) {
+    motion.motion.emplace_back();
+    motion.motion.back() << move.translation(), rotation_vector(move.linear());
+  }
+  motion.turns = motion.about_origin = true;
+  motion.words = fmt::format(
+      "{} {} ({})",
+      table_in_words(table, "matrices " + names[0] + (relative ? " relative to " + names[1] : ""), motion.time),
+      scale.words, start_in_words(start, motion, relative));
 }
 
 /// Angles of more than a whole turn that are said to be in radians: these are degrees.
@@ -361,8 +479,15 @@ void refuse_degrees_as_radians(const NumberTable& table, const std::vector<int>&
 
 void read_motion(const JointModel& model, const GivenTables& given, MotionTable& motion) {
   const NumberTable table = table_of(motion.file, given);
+  const MotionColumns found = motion_columns(table, motion);
+  if (!found.matrices.empty()) return read_matrices(model, table, found.matrices, motion);
+  motion.about_origin = false;
+  if (!motion.start.empty())
+    throw wrong_setting("motion-start", motion.start,
+                        say("the rows of {} are no matrices: they count from where the body starts;", table.path),
+                        "leave it out");
   const std::optional<UnitNames> system = model_system(model);
-  const std::vector<int> columns = motion_columns(table, motion);
+  const std::vector<int>& columns = found.numbers;
   motion.turns = columns.size() == 6;
   if (!motion.turns && !motion.rotation.empty())
     throw wrong_setting("motion-rotation", motion.rotation, say("{} has no columns rx, ry, rz:", table.path),
@@ -404,9 +529,10 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   for (Vector6& row : motion.motion) {
     row.head<3>() *= scale.length;
     row.tail<3>() *= scale.first;
-    if (motion.turns && motion.rotation != "vector") row.tail<3>() = rotation_vector(motion.rotation, row.tail<3>());
+    if (motion.turns && motion.rotation != "vector") row.tail<3>() = vector_of_angles(motion.rotation, row.tail<3>());
   }
-  motion.words = fmt::format("{} {}", table_in_words(table, columns, motion.time), scale.words);
+  motion.words =
+      fmt::format("{} {}", table_in_words(table, "columns " + column_names(table, columns), motion.time), scale.words);
   if (columns.size() <= 3 && motion.columns.empty()) motion.words += left_unread(table, columns, {}, "rotations");
 }
 

@@ -113,6 +113,19 @@ std::vector<std::string> cells_of(const TextTable& table, std::vector<std::strin
   return words;
 }
 
+/// `said`: rows, by the header; they are told where there are more. InputError: there are fewer.
+void compare_rows(const std::string& said, int line, TextTable& table) {
+  const int there = static_cast<int>(table.rows.size());
+  try {
+    const int counted = parse_count(said, 0, there);
+    if (counted < there) table.counted = counted;
+  } catch (const BadValue&) {
+    throw table_fault(table.path, line,
+                      fmt::format("found {} row{}, expected the {} that nRows says: is the file cut off?", there,
+                                  there == 1 ? "" : "s", said));
+  }
+}
+
 }  // namespace
 
 TextTable read_text_table(const std::string& path) {
@@ -160,17 +173,15 @@ TextTable read_text_table(const std::string& path) {
     throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
   if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
   if (table.rows.empty()) throw table_fault(path, number, kNoRow);
-  if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
-    throw table_fault(path, number,
-                      fmt::format("found {} row{}, expected the {} that nRows says: is the file cut off?",
-                                  table.rows.size(), table.rows.size() == 1 ? "" : "s", said_rows));
+  if (!said_rows.empty()) compare_rows(said_rows, number, table);
   return table;
 }
 
 NumberTable read_table(const std::string& path) {
   const TextTable text = read_text_table(path);
   check_column_names(path, text.names_line, text.names);
-  NumberTable table{text.path, text.opensim, text.degrees, text.axes, text.names_line, text.names, {}, text.lines};
+  NumberTable table{text.path,       text.opensim, text.degrees, text.axes, text.counted,
+                    text.names_line, text.names,   {},           text.lines};
   for (std::size_t r = 0; r < text.rows.size(); ++r) {
     table.rows.emplace_back();
     for (std::size_t i = 0; i < text.names.size(); ++i) {

@@ -15,6 +15,7 @@ struct TableOf {
   bool opensim = false;                 ///< .sto or .mot: has a header that ends in "endheader"
   std::optional<bool> degrees;          ///< of its header: inDegrees=yes or no; empty: it does not say
   std::string axes;                     ///< .fcsv: LPS or RAS, as its header says; else empty
+  std::optional<int> counted;           ///< rows, as its header says, where there are more of them
   int names_line = 0;                   ///< of the file, 1-based
   std::vector<std::string> names;       ///< of the columns, without white space around them
   std::vector<std::vector<Cell>> rows;  ///< as many cells each as there are names, not in quotes any more

@@ -184,14 +184,13 @@ std::string column_names(const NumberTable& table, const std::vector<int>& colum
   return names;
 }
 
-std::string table_in_words(const NumberTable& table, const std::vector<int>& columns,
-                           const std::vector<double>& times) {
+std::string table_in_words(const NumberTable& table, const std::string& columns, const std::vector<double>& times) {
   const int time = time_column(table);
   const std::string first = time_text(times.front()), last = time_text(times.back());
-  return fmt::format("{}: {} row{}, {} {}{}, columns {}", table.path, table.rows.size(),
-                     table.rows.size() == 1 ? "" : "s",
+  return fmt::format("{}: {} row{}{}, {} {}{}, {}", table.path, table.rows.size(), table.rows.size() == 1 ? "" : "s",
+                     table.counted ? fmt::format(" (its header counts {}: all are read)", *table.counted) : "",
                      time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), first,
-                     table.rows.size() == 1 ? "" : " to " + last, column_names(table, columns));
+                     table.rows.size() == 1 ? "" : " to " + last, columns);
 }
 
 std::vector<Eigen::Matrix<double, 6, 1>> values_of(const NumberTable& table, const std::vector<int>& columns) {

@@ -60,8 +60,9 @@ std::vector<double> times_of(const NumberTable& table);
 /// "Fx, Fy, Fz".
 std::string column_names(const NumberTable& table, const std::vector<int>& columns);
 
-/// "loads.csv: 13 rows, time 0 to 1, columns Fx, Fy, Fz".
-std::string table_in_words(const NumberTable& table, const std::vector<int>& columns, const std::vector<double>& times);
+/// "loads.csv: 13 rows, time 0 to 1, columns Fx, Fy, Fz"; `columns` in words. Rows beyond those that its header counts
+/// are told.
+std::string table_in_words(const NumberTable& table, const std::string& columns, const std::vector<double>& times);
 
 /// The numbers in these columns, a vector per row; zero behind the last column.
 std::vector<Eigen::Matrix<double, 6, 1>> values_of(const NumberTable& table, const std::vector<int>& columns);

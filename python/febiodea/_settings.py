@@ -1,6 +1,7 @@
 """Settings as keywords. Their names, forms and help are those of the program's one table of settings."""
 import copy
 import os
+import re
 
 from . import _febiodea, _number_tables
 from ._errors import usage_fault
@@ -134,7 +135,8 @@ def settings_help():
             form = f'[({key}, (x, y, z){", DEGREES" if option["keyword"] == "rotate" else ""})]'
         else:
             form = f'{{{key}: {option["value"]}}}' if key else option["value"]
-        lines += [f'  {option["keyword"]}={form}', f'      {option["help"].replace("; may be repeated", "")}']
+        help = re.sub(r"\{([a-z-]+)\}", lambda named: named[1].replace("-", "_"), option["help"])
+        lines += [f'  {option["keyword"]}={form}', f'      {help.replace("; may be repeated", "")}']
         if option["keyword"] == "move":
             lines += ['  placements=[("rotate", "BODY", (x, y, z), DEGREES), ("move", "BODY", (x, y, z)), ...]',
                       "      Both in the order in which they act"]

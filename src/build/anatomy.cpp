@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
+#include "src/base/say.h"
 #include "src/base/value_above.h"
 #include "src/build/mend_surface.h"
 #include "src/build/region.h"
@@ -80,13 +81,16 @@ void refuse_other_unit(const std::vector<RayCaster>& bones, double bone_size, co
                        bone_size);
   };
   if (unit != nullptr)
-    throw InputError(landmarks.front().file, 0,
-                     fmt::format("{}, and {:.3g} away if they are multiplied by {:g}, expected both in one unit: the "
-                                 "landmarks look like {} (landmark-units)",
-                                 found(), nearest, unit->size / scale, unit->name));
+    throw InputError(
+        Fault{.place = landmarks.front().file,
+              .found = say("{}, and {:.3g} away if they are multiplied by {:g},", found(), nearest, unit->size / scale),
+              .expected = say("expected both in one unit: the landmarks look like {} ({})", unit->name,
+                              NamedSetting{"landmark-units", "", unit->name})});
   if (as_is > kFar && !alike(1, kSurelyNot))
-    throw InputError(landmarks.front().file, 0,
-                     found() + ", expected both of one size, in one unit (landmark-units) and in the same axes");
+    throw InputError(Fault{.place = landmarks.front().file,
+                           .found = found() + ",",
+                           .expected = say("expected both of one size, in one unit ({}) and in the same axes",
+                                           NamedSetting{"landmark-units"})});
 }
 
 /// Landmarks lie on bones, or near them where a scan is cut off. Returns how far they lie if that is far; empty: near.
@@ -101,10 +105,12 @@ std::string check_place(const std::vector<BoneRequest>& bones, const AnatomyRequ
   if (as_is < kOff) return "";
   const double turned = distance_to_bones(casters, request.landmarks, 1, -1);
   if (turned < 0.3 * as_is)
-    throw InputError(fmt::format(
-        "landmarks: found three quarters of them {:.3g} or more away from the bones, and {:.3g} with x and y "
-        "turned over, expected them in the bones' axes: one is LPS, the other RAS; turn the landmarks over",
-        as_is, turned));
+    throw InputError(Fault{
+        .found = say("landmarks: found three quarters of them {:.3g} or more away from the bones, and {:.3g} with x "
+                     "and y turned over,",
+                     as_is, turned),
+        .expected = say("expected them in the bones' axes: one is LPS, the other RAS; turn the landmarks over with {}",
+                        NamedSetting{"flip-landmarks"})});
   if (as_is <= kFar) return "";
   return fmt::format(
       "three quarters of the landmarks lie {:.3g} or more away from the bones: are they in the bones' axes and unit?",
@@ -271,7 +277,7 @@ std::vector<std::string> odd_directions(const HipMeasures& m, const Vector3d& op
 }
 
 void add_hip(const std::vector<BoneRequest>& bones, const BallInSocket& hip, const BodyAxes& body,
-             const Vector3d& opening, Anatomy& anatomy) {
+             const Vector3d& opening, const Wording& wording, Anatomy& anatomy) {
   const BoneRequest &socket = bones[at(hip.socket)], &head = bones[at(hip.ball)];
   HipMeasures m = measure_hip(socket.surface, head.surface, hip, body.axes, *anatomy.side);
   m.socket_bone = socket.name;
@@ -284,11 +290,13 @@ void add_hip(const std::vector<BoneRequest>& bones, const BallInSocket& hip, con
   const std::vector<std::string> odd =
       odd_directions(m, opening, neck_direction(head.surface, hip.ball_sphere), anatomy);
   if (!odd.empty())
-    anatomy.warnings.push_back(fmt::format(
-        "hip: found {}, in axes {}, side {} ({}), expected a socket that opens forwards and to its side, a neck that "
-        "points inwards and up: as it is, a left hip may be taken for a right one, or a right one for a left; check "
-        "side, landmarks and scan axes, and look at the picture (side, landmarks, scan-axes, hip-figure)",
-        fmt::join(odd, ", "), m.axes_words, name(m.side), anatomy.side_words));
+    anatomy.warnings.push_back(worded(
+        say("hip: found {}, in axes {}, side {} ({}), expected a socket that opens forwards and to its side, a neck "
+            "that points inwards and up: as it is, a left hip may be taken for a right one, or a right one for a left; "
+            "check {}, {} and {}, and look at the picture of {}",
+            fmt::format("{}", fmt::join(odd, ", ")), m.axes_words, name(m.side), anatomy.side_words,
+            NamedSetting{"side"}, NamedSetting{"landmarks"}, NamedSetting{"scan-axes"}, NamedSetting{"hip-figure"}),
+        wording));
   for (const std::string& missing : m.missing) anatomy.findings.push_back("hip: " + missing);
   anatomy.hip = std::move(m);
 }
@@ -338,10 +346,13 @@ Anatomy find_anatomy(const std::vector<BoneRequest>& bones, const AnatomyRequest
       body = axes_of_hip(request, pelvis, opening, anatomy);
     }
     if (!request.landmarks.empty()) add_frames(request, hip, anatomy);
-    if (body) add_hip(bones, *hip, *body, opening, anatomy);
+    if (body) add_hip(bones, *hip, *body, opening, request.wording, anatomy);
   } catch (const InputError& e) {
     if (far.empty()) throw;
-    throw InputError(fmt::format("{}; {}", line(e.fault), far));
+    Fault fault = e.fault;
+    Sentence& last = fault.expected.empty() ? fault.found : fault.expected;
+    last = say("{}; {}", last, far);
+    throw InputError(fault);
   }
   if (!far.empty()) anatomy.findings.insert(anatomy.findings.begin(), far);
   return anatomy;

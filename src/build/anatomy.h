@@ -26,9 +26,10 @@ Eigen::Matrix3d body_axes(ScanAxes axes);
 double size_of_bones(const std::vector<BoneRequest>& bones);
 
 struct AnatomyRequest {
-  std::vector<Landmark> landmarks;  ///< in the bones' axes and unit; empty: the scanner's axes are the body's
-  double landmark_scale = 1.0;      ///< what the numbers of their files were multiplied by, to mm
-  std::optional<BodySide> side;     ///< empty: by the landmarks, else by where the socket opens
+  Wording wording = plain_wording();  ///< how warnings name options
+  std::vector<Landmark> landmarks;    ///< in the bones' axes and unit; empty: the scanner's axes are the body's
+  double landmark_scale = 1.0;        ///< what the numbers of their files were multiplied by, to mm
+  std::optional<BodySide> side;       ///< empty: by the landmarks, else by where the socket opens
   std::optional<ScanAxes>
       scan_axes;  ///< without landmarks of the pelvis; empty: those in which the socket opens to the side, or forwards
   bool hip = true;             ///< false: no measures of a hip

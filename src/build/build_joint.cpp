@@ -321,12 +321,13 @@ BoneRegion region_of(const BuildRequest& request, const CartilageRequest& c, con
       bone.surface, gaps_to_others(bones, at(c.bone), bone.surface.points, bone.normals, 2 * reach), options);
   if (region.surface.triangles.empty())
     throw InputError(
-        c.region
-            ? fmt::format("bone \"{}\": found no part of it in the region that was given, expected one (region)",
-                          request.bones[at(c.bone)].name)
-            : fmt::format("bone \"{}\": found no part of it that faces another bone within {:.4g}, expected one; a "
-                          "larger reach, a smaller rim or a region may do (reach, rim, region)",
-                          request.bones[at(c.bone)].name, reach));
+        c.region ? Fault{.found = say("bone \"{}\": found no part of it in the region that was given,",
+                                      request.bones[at(c.bone)].name),
+                         .expected = say("expected one; correct {}", NamedSetting{"region"})}
+                 : Fault{.found = say("bone \"{}\": found no part of it that faces another bone within {:.4g},",
+                                      request.bones[at(c.bone)].name, reach),
+                         .expected = say("expected one; a larger {}, a smaller {} or {} may do", NamedSetting{"reach"},
+                                         NamedSetting{"rim"}, NamedSetting{"region", "", "NAME=FILE"})});
   return region;
 }
 

@@ -37,6 +37,7 @@ struct BoneLoads {
   std::vector<Eigen::Vector3d> moments;                     ///< of a table, about the centre; empty: none
   std::vector<Eigen::Matrix<double, kDofs, 1>> motion;      ///< of a table, one per row: displacement of the centre,
                                                             ///< rotation vector [rad], from the pose as built
+  bool about_origin = false;  ///< the motion turns the bone about the global origin, then moves it
 
   bool free(std::size_t dof) const { return !fixed && !held[dof] && !moved[dof]; }
   bool turns_freely() const { return free(3) || free(4) || free(5); }

@@ -9,6 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/say.h"
 
 namespace dea {
 
@@ -89,11 +90,12 @@ std::vector<Vector3d> all_or_none(const std::vector<Landmark>& landmarks, const 
   const std::vector<std::string> right = names_of_sides(landmarks, names, BodySide::Right),
                                  left = names_of_sides(landmarks, names, BodySide::Left);
   if (!right.empty() && !left.empty() && (!missing.empty() || !side))
-    throw InputError(fmt::format("landmarks of the {}: found {} of the right and {} of the left, expected {}", bone,
-                                 fmt::join(right, ", "), fmt::join(left, ", "),
-                                 missing.empty() && right.size() == names.size() && left.size() == names.size()
-                                     ? "the joint's side given too"
-                                     : fmt::format("{} of one side", fmt::join(names, ", "))));
+    throw InputError(
+        Fault{.found = say("landmarks of the {}: found {} of the right and {} of the left,", bone,
+                           fmt::format("{}", fmt::join(right, ", ")), fmt::format("{}", fmt::join(left, ", "))),
+              .expected = missing.empty() && right.size() == names.size() && left.size() == names.size()
+                              ? say("expected the joint's side too: {}", NamedSetting{"side", "", "left|right"})
+                              : say("expected {} of one side", fmt::format("{}", fmt::join(names, ", ")))});
   if (missing.empty()) return points;
   throw InputError(fmt::format("landmarks of the {}: found {} without {}, expected all of {}, or none of them", bone,
                                fmt::join(there, ", "), fmt::join(missing, ", "), fmt::join(names, ", ")));
@@ -146,7 +148,12 @@ void tell_unused(const std::vector<Landmark>& landmarks, FramesFound& found) {
         fmt::join(known, ", ")));
 }
 
-constexpr const char* kSideNeeded = "expected their side too: R or L before a name, as in RMFE, or the side given";
+/// Landmarks of a limb of which nobody says the side.
+InputError no_side(const char* found) {
+  return InputError(Fault{.found = say("landmarks of the {},", found),
+                          .expected = say("expected their side too: R or L before a name, as in RMFE, or {}",
+                                          NamedSetting{"side", "", "left|right"})});
+}
 
 void add_pelvis(const FramesRequest& request, FramesFound& found) {
   const std::optional<Matrix3d> axes = pelvis_axes(request.landmarks);
@@ -183,7 +190,7 @@ void add_femur(const FramesRequest& request, FramesFound& found) {
         "no frame of the femur: found neither a landmark HJC, the hip's centre, nor a ball in a socket to find it by");
     return;
   }
-  if (!request.side) throw InputError(fmt::format("landmarks of the femur: found MFE and LFE, {}", kSideNeeded));
+  if (!request.side) throw no_side("femur: found MFE and LFE");
   const Matrix3d axes = axes_of_limb(*request.hip_center - (ends[0] + ends[1]) / 2, ends[0], ends[1], *request.side,
                                      "femur", "MFE, LFE and the hip's centre");
   found.frames.push_back(
@@ -193,7 +200,7 @@ void add_femur(const FramesRequest& request, FramesFound& found) {
 void add_tibia(const FramesRequest& request, FramesFound& found) {
   const std::vector<Vector3d> p = all_or_none(request.landmarks, "tibia", {"MC", "LC", "MM", "LM"}, request.side);
   if (p.empty()) return;
-  if (!request.side) throw InputError(fmt::format("landmarks of the tibia: found MC, LC, MM and LM, {}", kSideNeeded));
+  if (!request.side) throw no_side("tibia: found MC, LC, MM and LM");
   const Vector3d knee = (p[0] + p[1]) / 2, ankle = (p[2] + p[3]) / 2;
   const Matrix3d axes = axes_of_limb(knee - ankle, p[0], p[1], *request.side, "tibia", "MC, LC and the ankle's middle");
   found.frames.push_back({"tibia", knee, axes, "MC, LC, MM, LM; origin: the middle of MC and LC"});

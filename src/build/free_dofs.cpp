@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/rotations.h"
 
 namespace dea {
 
@@ -86,6 +87,14 @@ std::string dof_names(const DofFlags& flags) {
   for (std::size_t k = 0; k < kDofs; ++k)
     if (flags[k]) names += fmt::format("{}{}", names.empty() ? "" : ", ", kDofNames[k]);
   return names.empty() ? "none" : names;
+}
+
+void count_motion_from_centers(BuiltJoint& joint) {
+  for (BuiltBody& body : joint.bodies) {
+    if (!body.about_origin) continue;
+    for (auto& row : body.motion) row.head<3>() += rotation(Vector3d(row.tail<3>())) * body.center - body.center;
+    body.about_origin = false;
+  }
 }
 
 void choose_dofs(const BuildRequest& request, BuiltJoint& joint, BuildReport& report) {

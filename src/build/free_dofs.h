@@ -11,6 +11,9 @@ namespace dea {
 /// less what the request holds. Tells what each bone that is not held as a whole is free to do, and why.
 void choose_dofs(const BuildRequest& request, BuiltJoint& joint, BuildReport& report);
 
+/// Motions that turn a bone about the global origin become those of its centre.
+void count_motion_from_centers(BuiltJoint& joint);
+
 /// "x, y, Ru"; "none".
 std::string dof_names(const DofFlags& flags);
 

@@ -329,10 +329,12 @@ void set_row_motion(const Instant& now, int row, LoadCase& c) {
     body.dofs[at(k)] = DofState::Prescribed;
   }
   const auto about = now.settings.rotate_about.find(table.body);
-  if (table.turns && about != now.settings.rotate_about.end()) {
-    const Vector3d arm = begin.rotation * (turn_point(now.joint, b, about->second, table.body) - center);
-    body.value.head<3>() += arm - rotation(body.value.tail<3>()) * arm;
-  }
+  const bool about_point = table.turns && about != now.settings.rotate_about.end();
+  if (!table.about_origin && !about_point) return;
+  const Vector3d arm = table.about_origin
+                           ? Vector3d(-begin.center)
+                           : begin.rotation * (turn_point(now.joint, b, about->second, table.body) - center);
+  body.value.head<3>() += arm - rotation(body.value.tail<3>()) * arm;
 }
 
 }  // namespace

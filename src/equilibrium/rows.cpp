@@ -114,11 +114,12 @@ Findings row_findings(const JointModel& model, const Joint& joint, const Setting
     found.push_back({"motion-table",
                      {.body = s.motion.body},
                      {{"table", s.motion.words.empty() ? "a table" : s.motion.words},
-                      {"rotations", !s.motion.turns ? ", translations alone"
+                      {"rotations", !s.motion.turns         ? ", translations alone"
+                                    : s.motion.about_origin ? ""
                                     : s.motion.rotation == "vector"
                                         ? ", rotation vectors"
                                         : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation)},
-                      {"center", !s.motion.turns                           ? ""
+                      {"center", !s.motion.turns || s.motion.about_origin  ? ""
                                  : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
                                                                            : ", about its centre of mass"}},
                      from});

@@ -93,17 +93,23 @@ struct LoadTable {
   std::string doubt;                              ///< what may be a slip: "80 kg would be 784.8 N"; empty: nothing
 };
 
+/// MotionTable::start of a model whose coordinates of the body are those of its own frame.
+inline constexpr const char* kOwnFrame = "own-frame";
+
 /// A table of one body's poses: a row is a state. Row: translation, and rotation vector [rad] about the point of
 /// settings.rotate_about (none: the centre of mass), both counted from the body's starting pose, global axes.
 struct MotionTable {
   std::string file;
   std::string body;
-  std::string columns;                              ///< names of three or six columns: translation, rotation
-  std::string rotation;                             ///< "vector", or the sequence of three angles: "xyz", "zxy", ...
-  std::string units;                                ///< ANGLE-LENGTH: "deg-m"; empty: radians, the model's length
+  std::string columns;   ///< names of three or six columns: translation, rotation; or of a matrix: NAME of NAME11 to
+                         ///< NAME44, and of the one of another body that is held, relative to which it is
+  std::string rotation;  ///< "vector", or the sequence of three angles: "xyz", "zxy", ...
+  std::string units;     ///< ANGLE-LENGTH: "deg-m", of matrices LENGTH; empty: radians, the model's length
+  std::string start;     ///< of matrices: kOwnFrame, or TIME or TIME,ground: as that row has it; empty: kOwnFrame
   std::vector<double> time;                         ///< one per row, rising
   std::vector<Eigen::Matrix<double, 6, 1>> motion;  ///< one per row
   bool turns = false;                               ///< rotations are given, not translations alone
+  bool about_origin = false;                        ///< rows turn the body about the global origin, then move it
   std::string words;
 };
 

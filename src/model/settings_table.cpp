@@ -174,6 +174,20 @@ std::string parse_rotation(Text text) {
   return word;
 }
 
+/// "own-frame", "TIME", "TIME,ground"
+std::string parse_start(Text text) {
+  const std::string word = lower_case(text);
+  if (word == kOwnFrame) return word;
+  const std::vector<std::string> parts = split_at_commas(word);
+  try {
+    parse_number(parts[0]);
+    if (parts.size() == 1) return parts[0];
+    if (parts.size() == 2 && parts[1] == "ground") return parts[0] + ",ground";
+  } catch (const BadValue&) {
+  }
+  throw bad_value(text, "own-frame, the time of a row, or TIME,ground", {kOwnFrame});
+}
+
 std::array<bool, 6> parse_dofs(Text text) {
   std::array<bool, 6> free = {};
   if (lower_case(text) == "none") return free;
@@ -420,7 +434,7 @@ std::vector<SettingOption> all_options() {
        "replace all that the model puts on that body at the end of its last step",
        [](S& s, Text, Text text) { s.loads.file = text; }, [](const S& s) { return word_or_nothing(s.loads.file); }},
       {"load-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body on which the loads act; at which point: see load-at",
+       "The body on which the loads act; at which point: see {load-at}",
        [](S& s, Text, Text text) { s.loads.body = text; }, [](const S& s) { return word_or_nothing(s.loads.body); }},
       {"load-columns", nullptr, false, "FX,FY,FZ[,MX,MY,MZ]", nullptr, kTables,
        "Names of the columns [found by name: fx, force_x, ..._fx, mx, moment_x, ...]",
@@ -440,13 +454,15 @@ std::vector<SettingOption> all_options() {
        [](const S& s) { return number_or_nothing(s.loads.body_weight); }},
       {"motion", nullptr, false, "FILE", nullptr, kTables,
        "Poses of one body, one state per row: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, "
-       "in global axes; these motions are prescribed",
+       "in global axes; or 4x4 matrices, NAME_T11 to NAME_T44; these motions are prescribed",
        [](S& s, Text, Text text) { s.motion.file = text; }, [](const S& s) { return word_or_nothing(s.motion.file); }},
       {"motion-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body that the motion moves; it turns about its centre of mass or the point of rotate-about",
+       "The body that the motion moves; it turns about its centre of mass or the point of {rotate-about}",
        [](S& s, Text, Text text) { s.motion.body = text; }, [](const S& s) { return word_or_nothing(s.motion.body); }},
-      {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]", nullptr, kTables,
-       "Names of the columns [found by name]", [](S& s, Text, Text text) { s.motion.columns = text; },
+      {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]|NAME_T[,OTHER_T]", nullptr, kTables,
+       "Names of the columns; NAME_T: of 4x4 matrices, NAME_T11 to NAME_T44; NAME_T,OTHER_T: the body relative to the "
+       "other one, which is held [found by name]",
+       [](S& s, Text, Text text) { s.motion.columns = text; },
        [](const S& s) { return word_or_nothing(s.motion.columns); }},
       {"motion-rotation", nullptr, false, "vector|xyz|zxy|...", nullptr, kTables,
        "What rx, ry, rz are: a rotation vector, or angles about x, y and z, applied in the order given (zxy: z first), "
@@ -454,12 +470,19 @@ std::vector<SettingOption> all_options() {
        [](S& s, Text, Text text) { s.motion.rotation = parse_rotation(text); },
        [](const S& s) { return word_or_nothing(s.motion.rotation); }},
       {"motion-units", nullptr, false, "ANGLE-LENGTH", nullptr, kTables,
-       "Units of the table: deg-mm, rad-m, ... [must be given if the body turns; OpenSim files say degrees or radians, "
-       "m]",
+       "Units of the table: deg-mm, rad-m, ...; of matrices the length alone: m [must be given if the body turns by "
+       "angles; OpenSim files say degrees or radians, m]",
        [](S& s, Text, Text text) { s.motion.units = text; },
        [](const S& s) { return word_or_nothing(s.motion.units); }},
+      {"motion-start", nullptr, false, "own-frame|TIME[,ground]", nullptr, kTables,
+       "Of matrices: what the model's coordinates of the body are before it moves. own-frame: those of its own frame; "
+       "TIME: where the row at this time has it, relative to the other body if two are named; TIME,ground: where that "
+       "row has both bodies [own-frame]",
+       [](S& s, Text, Text text) { s.motion.start = parse_start(text); },
+       [](const S& s) { return word_or_nothing(s.motion.start); }},
       {"frame", "name", false, "x,y,z/x,y,z/x,y,z", nullptr, kFrames,
-       "Axes x, y, z of a frame in global directions, for frame:NAME in rotate, move, force and load-frame; `dea "
+       "Axes x, y, z of a frame in global directions, for frame:NAME in {rotate}, {move}, {force} and {load-frame}; "
+       "`dea "
        "build` makes frames from landmarks; may be repeated",
        [](S& s, Text key, Text text) {
          if (key.find(',') != std::string::npos) throw bad_value(key, "a frame's name without a comma");

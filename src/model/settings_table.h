@@ -26,7 +26,7 @@ struct SettingOption {
   const char* value;       ///< form of the value: "curved|flat", "NUMBER"; "true|false" is a switch
   const char* help_value;  ///< what help calls the value; nullptr: `value`
   const char* group;       ///< options that stand together in help
-  const char* help;
+  const char* help;        ///< {load-at}: another setting, which each front end words
   /// Throws BadValue. `text` is not empty; `key` is empty without one.
   void (*set)(Settings& settings, const std::string& key, const std::string& text);
   SettingContent (*content)(const Settings& settings);

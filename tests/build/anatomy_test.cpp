@@ -256,7 +256,7 @@ TEST(Frames, WhatDoesNotFitIsRefusedInALine) {
       "lateral, or right and left, exchanged?");
   EXPECT_EQ(with([](FramesRequest& r) { r.side.reset(); }),
             "landmarks of the femur: found MFE and LFE, expected their side too: R or L before a name, as in RMFE, or "
-            "the side given");
+            "side = left|right");
   EXPECT_EQ(
       with([](FramesRequest& r) {
         r.landmarks[2].point = r.landmarks[3].point = {60, 0, 3};
@@ -282,7 +282,7 @@ TEST(Frames, LandmarksOfTheOtherLegAreSaid) {
             "landmarks of the femur: found RLFE of the right and LMFE of the left, expected MFE, LFE of one side");
   EXPECT_EQ(with({"RMFE", "LMFE", "RLFE", "LLFE"}, {}),
             "landmarks of the femur: found RMFE, RLFE of the right and LMFE, LLFE of the left, expected the joint's "
-            "side given too");
+            "side too: side = left|right");
   EXPECT_EQ(with({"RMFE", "LMFE", "RLFE", "LLFE"}, BodySide::Right), "nothing was refused");
 }
 
@@ -500,7 +500,7 @@ TEST(Hip, LandmarksInAnotherUnitAreRefused) {
   EXPECT_EQ(metres.rfind("folder/l.csv: found landmarks 0.485 large ", 0), 0U) << metres;
   EXPECT_NE(
       metres.find(" away from the bones, which are 485 large, and 0 away if they are multiplied by 1000, expected "
-                  "both in one unit: the landmarks look like m (landmark-units)"),
+                  "both in one unit: the landmarks look like m (landmark-units = m)"),
       std::string::npos)
       << metres;
   const auto says = [](const std::string& text, const std::string& what) { return text.find(what) != text.npos; };
@@ -588,9 +588,8 @@ TEST(Hip, ALeftHipTakenForARightOneIsAWarning) {
         "in "
         "axes {}, expected a socket that opens forwards and to its side, a neck that points inwards and up: as it is, "
         "a "
-        "left hip may be taken for a right one, or a right one for a left; check side, landmarks and scan axes, and "
-        "look "
-        "at the picture (side, landmarks, scan-axes, hip-figure)",
+        "left hip may be taken for a right one, or a right one for a left; check side, landmarks and scan-axes, and "
+        "look at the picture of hip-figure",
         hip.anteversion, anatomy.hip->anterior_center_edge, axes);
   };
   AnatomyRequest request;

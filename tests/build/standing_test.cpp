@@ -260,6 +260,20 @@ TEST(FreeDofs, AMotionIsPrescribedRowByRow) {
   }
 }
 
+TEST(FreeDofs, AMotionAboutTheOriginIsThatOfTheCentre) {
+  BuiltJoint joint;
+  joint.bodies.resize(1);
+  BuiltBody& body = joint.bodies[0];
+  body.center = {2, 0, 5};
+  body.about_origin = true;
+  body.motion.resize(1);
+  body.motion[0] << 1, 1, 1, 0, 0, kPi / 2;  // (2, 0, 5) comes to (0, 2, 5), then to (1, 3, 6)
+  count_motion_from_centers(joint);
+  EXPECT_LT((body.motion[0].head<3>() - Vector3d(-1, 3, 1)).norm(), 1e-12);
+  EXPECT_NEAR(body.motion[0][5], kPi / 2, 1e-15);
+  EXPECT_FALSE(body.about_origin);
+}
+
 TEST(FreeDofs, MomentsActOnWhatTurns) {
   BuiltJoint joint = plates();
   BuiltBody& high = joint.bodies[1];

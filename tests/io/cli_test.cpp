@@ -784,7 +784,7 @@ TEST_F(Cli, FileSizeLimitLeavesTheOlderResultAndNoTemporaryFile) {
 
 TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
   write_model();
-  write("r.json", "older");
+  write("r.json", "{\n \"schema\": \"dea.run/1\"\n}\n");  // of an older dea
   ASSERT_EQ(dea({"run", "flat.feb", "--json", "r.json", "-o", "/dev/null", "-q"}).code, 0);
   EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["schema"], "dea.run/1");
   EXPECT_EQ(files(), (Names{"flat.feb", "r.json"}));
@@ -986,6 +986,96 @@ TEST_F(Cli, PlotFilesThatAreThereAlready) {
   EXPECT_EQ(run({"-o", "cut.xplt", "--overwrite"}).code, 0);
   write("empty.xplt", "");  // as mktemp leaves it: nothing to lose
   EXPECT_EQ(run({"-o", "empty.xplt"}).code, 0);
+}
+
+// The same of every other file that a command writes: what dea made gives way, anything else only to --overwrite.
+TEST_F(Cli, OtherFilesThatAreThereAlready) {
+  write_model();
+  ASSERT_EQ(dea({"run", "flat.feb", "-q"}).code, 0);
+  struct Case {
+    std::vector<std::string> words;
+    std::string option, name;
+  };
+  const std::vector<std::string> run = {"run", "flat.feb", "-q", "--states", "last", "--no-xplt"},
+                                 compare = {"compare", "flat_dea.xplt", "flat_dea.xplt", "-q"},
+                                 plot = {"plot", "flat_dea.xplt", "-q"};
+  const std::string foreign = "x,y\n1,2\n";
+  for (const Case& c : {
+           Case{run, "--json", "a.json"},
+           {run, "--csv", "a.csv"},
+           {run, "--compartments-csv", "b.csv"},
+           {run, "--facets-csv", "c.csv"},
+           {run, "--report", "a.html"},
+           {{"info", "flat.feb"}, "--json", "i.json"},
+           {{"converge", "flat.feb", "-q", "--target", "0.5"}, "--json", "n.json"},
+           {compare, "--json", "k.json"},
+           {compare, "--csv", "k.csv"},
+           {compare, "--report", "k.html"},
+           {plot, "-o", "p.png"},
+           {plot, "-o", "p.svg"},
+           {plot, "-o", "p.pdf"},
+           {plot, "--animate", "p.gif"},
+       }) {
+    const auto again = [&](bool overwrite) {
+      std::vector<std::string> words = c.words;
+      words.insert(words.end(), {c.option, c.name});
+      if (overwrite) words.emplace_back("--overwrite");
+      return dea(words);
+    };
+    write(c.name, foreign);
+    const Finished refused = again(false);
+    EXPECT_EQ(refused.code, 4) << c.name;
+    EXPECT_EQ(refused.err,
+              fmt::format("dea: cannot write {}: it is there already, not made by dea; --overwrite replaces it, {} "
+                          "writes another\n",
+                          c.name, c.option));
+    EXPECT_EQ(file_text(folder / c.name), foreign) << c.name;
+    EXPECT_EQ(again(true).code, 0) << c.name;
+    const std::string made = file_text(folder / c.name);
+    EXPECT_NE(made, foreign) << c.name;
+    const Finished second = again(false);  // its own
+    EXPECT_EQ(second.code, 0) << c.name << second.err;
+    write(c.name, "");  // nothing to lose
+    EXPECT_EQ(again(false).code, 0) << c.name;
+  }
+  // results of another command are made by dea, too; a picture that is not, whatever its head
+  write("p.png", file_text(folder / "p.png").substr(0, 33));
+  EXPECT_EQ(dea({"plot", "flat_dea.xplt", "-q", "-o", "p.png"}).code, 4);
+
+  ASSERT_EQ(dea({"man", "-o", "man"}).code, 0);
+  EXPECT_EQ(dea({"man", "-o", "man"}).code, 0);
+  write("man/dea-run.1", foreign);
+  EXPECT_EQ(dea({"man", "-o", "man"}).code, 4);
+  EXPECT_EQ(file_text(folder / "man/dea-run.1"), foreign);
+  EXPECT_EQ(dea({"man", "-o", "man", "--overwrite"}).code, 0);
+}
+
+// One sentence for one meaning.
+TEST_F(Cli, OverwriteIsHelpedAlikeEverywhere) {
+  for (const char* command :
+       {"run", "study", "info", "converge", "convert", "build", "plugin-build", "compare", "plot", "man"}) {
+    std::string help = dea({command, "--help"}).out;
+    help.erase(std::unique(help.begin(), help.end(),
+                           [](char a, char b) { return (a == ' ' || a == '\n') && (b == ' ' || b == '\n'); }),
+               help.end());
+    std::replace(help.begin(), help.end(), '\n', ' ');
+    EXPECT_NE(help.find("--overwrite Replace files that are there, whatever they are [only what dea made itself, if "
+                        "nothing else would be lost with it]"),
+              std::string::npos)
+        << command << help;
+  }
+}
+
+// -v and the codes that are to be quiet go together; -q by itself does not.
+TEST_F(Cli, VerboseGoesWithQuietCodes) {
+  write_model();
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "flat.feb", "--states", "last", "--no-xplt", "-v"});
+    return dea(more);
+  };
+  EXPECT_EQ(run({"--quiet", "narrow-contact"}).code, 0);
+  for (const char* word : {"-q", "--quiet"})
+    EXPECT_EQ(run({word}).err, "dea: -q and -v: found both, expected one of them\n");
 }
 
 // Two runs truly at once: the second one is told, and whoever is killed stands in nobody's way.

@@ -116,6 +116,14 @@ TEST(Progress, LifeBeforeTheFirstStepIsDone) {
   EXPECT_EQ(w.text, "");  // messages may follow
 }
 
+TEST(Progress, AStepWithoutDetailsHasNoLine) {
+  Watch w;
+  Progress p = w.start(ProgressStyle::Every);
+  p.step("solving a few", "", 1, 3);
+  p.step("solving a few", "case 2: solved", 2, 3);
+  EXPECT_EQ(w.text, "case 2: solved\n");
+}
+
 TEST(Progress, LongNamesAreCutToALine) {
   Watch w;
   Progress p = w.start(ProgressStyle::Bar);

@@ -395,6 +395,24 @@ TEST_F(ReadFeb, OneModelInFiveFormatsIsTheSame) {
   }
 }
 
+// A text in memory is read as a file of the name that messages are to call it, which need not be there.
+TEST_F(ReadFeb, ATextIsReadAsAFileOfItsName) {
+  const std::string text = feb("4.0", kMaterials);
+  const auto fault = [](const std::string& of) {
+    try {
+      read_feb_text(of, "folder/hip.feb");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("read without a fault");
+  };
+  EXPECT_EQ(read_feb_text(text, "folder/hip.feb").materials.size(), 4u);
+  EXPECT_EQ(read_feb_text(text, "folder/hip.feb").files, (std::vector<std::string>{"folder/hip.feb"}));
+  EXPECT_EQ(fault(replaced(text, "<center_of_mass>0,0,0<", "<center_of_mass>0,0<")).rfind("folder/hip.feb:4: ", 0), 0u)
+      << fault(replaced(text, "<center_of_mass>0,0,0<", "<center_of_mass>0,0<"));
+  EXPECT_EQ(fault(text.substr(0, 300)).rfind("folder/hip.feb:", 0), 0u);
+}
+
 TEST_F(ReadFeb, SaysWhatTheFileSays) {
   const JointModel m = read(kModel40);
   ASSERT_EQ(m.files.size(), 1u);

@@ -4,15 +4,22 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 #include <optional>
 
+#include "io/feb/read_feb.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
+#include "src/base/rotations.h"
 #include "src/model/settings_table.h"
+#include "src/run/analysis.h"
+#include "src/run/recognise.h"
+#include "src/run/states.h"
 
 #include "tests/io/text_file.h"
 
@@ -182,6 +189,241 @@ TEST(Tables, AnglesAreAboutTheAxesTheyAreNamedFor) {
     EXPECT_THROW(find_setting_option("motion-rotation")->set(settings, "", word), BadValue) << word;
 }
 
+// ---- rows of 4x4 matrices ------------------------------------------------------------------------------------------
+
+Eigen::Isometry3d pose(double degrees, const Eigen::Vector3d& axis, const Eigen::Vector3d& place) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(degrees * kPi / 180, axis.normalized()).toRotationMatrix();
+  T.translation() = place;
+  return T;
+}
+
+using Poses = std::vector<Eigen::Isometry3d>;
+
+/// As OpenSim-JAM writes them: a line per time, the matrices of all bodies in it row by row; times 1, 2, 3, ...
+std::string jam_text(const std::vector<std::pair<std::string, Poses>>& bodies, int said_rows) {
+  std::string text =
+      fmt::format("nColumns={}\nnRows={}\nDataType=double\nversion=3\nOpenSimVersion=4.3\nendheader\ntime",
+                  1 + 16 * bodies.size(), said_rows);
+  for (const auto& [name, poses] : bodies)
+    for (int k = 0; k < 16; ++k) text += fmt::format("\t{}_T{}{}", name, k / 4 + 1, k % 4 + 1);
+  for (std::size_t r = 0; r < bodies[0].second.size(); ++r) {
+    text += fmt::format("\n{}", r + 1);
+    for (const auto& [name, poses] : bodies)
+      for (int k = 0; k < 16; ++k) text += fmt::format("\t{:.16g}", poses[r].matrix()(k / 4, k % 4));
+  }
+  return text + "\n";
+}
+
+/// In a model of mm.
+MotionTable matrices_of(const std::string& path, const std::string& columns, const std::string& start = "",
+                        const std::string& units = "", const std::string& rotation = "") {
+  JointModel model;
+  model.units = "mm-N-s";
+  Settings settings;
+  settings.motion.file = path;
+  settings.motion.body = "femur";
+  settings.motion.columns = columns;
+  settings.motion.start = start;
+  settings.motion.units = units;
+  settings.motion.rotation = rotation;
+  read_tables(model, settings);
+  return settings.motion;
+}
+
+void expect_move(const MotionTable& motion, std::size_t row, const Eigen::Isometry3d& expected) {
+  const Eigen::Matrix<double, 6, 1>& values = motion.motion.at(row);
+  EXPECT_LT((values.head<3>() - expected.translation()).norm(), 1e-9) << row;
+  EXPECT_LT((rotation(values.tail<3>()) - expected.linear()).norm(), 1e-12) << row;
+}
+
+const Eigen::Vector3d kX(1, 0, 0), kZ(0, 0, 1);
+
+// By 30 and by 170 degrees about z, in metres: the model's mm.
+TEST(Matrices, OfABodyAreWhereItIs) {
+  const Poses femur = {pose(30, kZ, {0.1, 0.2, -0.3}), pose(170, kZ, {0, 0, 0.001})};
+  const std::string path = file("jam.sto", jam_text({{"femur_r", femur}, {"tibia_r", femur}}, 2));
+  const MotionTable motion = matrices_of(path, "femur_r_T");
+  EXPECT_EQ(motion.time, (std::vector<double>{1, 2}));
+  EXPECT_TRUE(motion.turns && motion.about_origin);
+  EXPECT_LT((motion.motion[0].tail<3>() - kPi / 6 * kZ).norm(), 1e-12);
+  expect_move(motion, 0, pose(30, kZ, {100, 200, -300}));
+  expect_move(motion, 1, pose(170, kZ, {0, 0, 1}));
+  EXPECT_EQ(motion.words.substr(path.size()),
+            ": 2 rows, time 1 to 2, matrices femur_r_T in m, the model in mm-N-s (the model has the body in its own "
+            "frame)");
+}
+
+// The tibia turned by 90 degrees about z and set off; the femur on it turned by 20, then 50 about the tibia's x and 2
+// mm along its z: that is what the tibia sees, wherever it is itself.
+TEST(Matrices, OfABodyRelativeToAnotherOne) {
+  const Poses seen = {pose(20, kX, {0, 0, 0.002}), pose(50, kX, {0, 0.001, 0.002})},
+              tibia = {pose(90, kZ, {1, 0, 0}), pose(-35, {1, 2, 3}, {0.4, 0.5, 0.6})},
+              femur = {tibia[0] * seen[0], tibia[1] * seen[1]};
+  const std::string path = file("jam.sto", jam_text({{"tibia", tibia}, {"femur", femur}}, 2));
+  const auto millimetres = [](Eigen::Isometry3d T) {
+    T.translation() *= 1000;
+    return T;
+  };
+  const MotionTable own = matrices_of(path, "femur_T,tibia_T");
+  EXPECT_NE(own.words.find("matrices femur_T relative to tibia_T in m"), std::string::npos) << own.words;
+  for (std::size_t r = 0; r < 2; ++r) expect_move(own, r, millimetres(seen[r]));
+
+  // the model as row 1 has it, in the tibia's axes: from 20 to 50 degrees about x, through the point of z = 2
+  const MotionTable row = matrices_of(path, "femur_T,tibia_T", "1");
+  expect_move(row, 0, Eigen::Isometry3d::Identity());
+  expect_move(row, 1, millimetres(seen[1] * seen[0].inverse()));
+  EXPECT_LT((row.motion[1].tail<3>() - kPi / 6 * kX).norm(), 1e-12);
+
+  // as row 1 has both in the table's axes: there the tibia's x is y
+  const MotionTable ground = matrices_of(path, "femur_T,tibia_T", "1,ground");
+  expect_move(ground, 0, Eigen::Isometry3d::Identity());
+  EXPECT_LT((ground.motion[1].tail<3>() - kPi / 6 * Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+  expect_move(ground, 1, millimetres(tibia[0] * seen[1] * seen[0].inverse() * tibia[0].inverse()));
+
+  // of the femur alone, as a row has it
+  expect_move(matrices_of(path, "femur_T", "2"), 0, millimetres(femur[0] * femur[1].inverse()));
+  EXPECT_NE(row.words.find("(the model has the body as the row at time 1, in the other body's frame)"),
+            std::string::npos);
+  EXPECT_NE(ground.words.find("(the model has both bodies as the row at time 1, in the table's axes)"),
+            std::string::npos);
+}
+
+// 3 rows against nRows 2, as in JAM's files; fewer than it counts: cut off.
+TEST(Matrices, RowsBeyondThoseThatAHeaderCountsAreReadAndTold) {
+  const Poses femur(3, pose(10, kZ, {0, 0, 0}));
+  const MotionTable motion = matrices_of(file("jam.sto", jam_text({{"femur", femur}}, 2)), "");  // the only matrix
+  EXPECT_EQ(motion.time.size(), 3);
+  EXPECT_NE(motion.words.find(": 3 rows (its header counts 2: all are read), time 1 to 3"), std::string::npos);
+  EXPECT_EQ(matrices_of(file("jam.sto", jam_text({{"femur", femur}}, 3)), "").words.find("header"), std::string::npos);
+  EXPECT_THROW(matrices_of(file("jam.sto", jam_text({{"femur", femur}}, 4)), ""), InputError);
+}
+
+// Columns in any order, other ones between, capitals or not, and a unit in the name.
+TEST(Matrices, ColumnsStandInAnyOrder) {
+  const Eigen::Isometry3d T = pose(40, {1, -2, 0.5}, {7, 8, 9});
+  std::string names = "force", row = "5";
+  for (int k = 15; k >= 0; --k) {
+    names += fmt::format(",FEMUR_t{}{}{}", k / 4 + 1, k % 4 + 1, k == 3 ? " [cm]" : "");
+    row += fmt::format(",{:.16g}", T.matrix()(k / 4, k % 4));
+  }
+  const std::string path = file("t.csv", names + "\n" + row + "\n");
+  for (const char* units : {"cm", "deg-cm"})
+    expect_move(matrices_of(path, "femur_T", "", units), 0, pose(40, {1, -2, 0.5}, {70, 80, 90}));
+  EXPECT_THROW(matrices_of(path, "femur_T", "", "mm"), InputError);  // its name says cm
+}
+
+TEST(Matrices, WhatIsNoPoseIsRefusedInOneLine) {
+  const auto refused = [](const std::function<void(Eigen::Matrix4d&)>& damage, const std::string& columns = "",
+                          const std::string& start = "", const std::string& units = "",
+                          const std::string& rotation = "", const char* header = "femur") {
+    Poses poses(2, pose(30, kZ, {0.1, 0, 0}));
+    damage(poses[1].matrix());
+    const std::string path = file("jam.sto", jam_text({{header, poses}}, 2));
+    try {
+      matrices_of(path, columns, start, units, rotation);
+    } catch (const std::runtime_error& e) {
+      const std::string text = e.what();
+      return text.starts_with(path)
+                 ? text.substr(path.size())
+                 : text.substr(0, text.find(path)) + "JAM" + text.substr(text.find(path) + path.size());
+    }
+    return std::string();
+  };
+  const auto nothing = [](Eigen::Matrix4d&) {};
+  EXPECT_EQ(refused(nothing), "");
+  EXPECT_EQ(refused([](Eigen::Matrix4d& m) { m(0, 0) += 4e-4; }), "");  // four digits
+  EXPECT_EQ(refused([](Eigen::Matrix4d& m) { m.col(2) *= 1.01; }),
+            ":9: columns femur_T13, femur_T23, femur_T33: found a length of 1.01, expected 1, as in every rotation");
+  EXPECT_EQ(
+      refused([](Eigen::Matrix4d& m) { m.col(1) = m.col(0); }),
+      ":9: columns femur_T11, femur_T21, femur_T31 and columns femur_T12, femur_T22, femur_T32: found axes with a "
+      "cosine of 1, expected 0: axes of a rotation stand at right angles");
+  EXPECT_EQ(
+      refused([](Eigen::Matrix4d& m) { m.col(2) *= -1; }),
+      ":9: columns femur_T11 to femur_T33: found a mirror image, expected a rotation: its determinant is 1, not -1");
+  EXPECT_EQ(refused([](Eigen::Matrix4d& m) { m.transposeInPlace(); }),
+            ":9: column \"femur_T41\": found 0.1, expected 0: the last row of a matrix is 0 0 0 1, and its last column "
+            "has the place");
+  EXPECT_EQ(
+      refused([](Eigen::Matrix4d& m) { m(3, 3) = 0; }),
+      ":9: column \"femur_T44\": found 0, expected 1: the last row of a matrix is 0 0 0 1, and its last column has "
+      "the place");
+  EXPECT_EQ(
+      refused(nothing, "femur"),
+      "motion-columns = femur: JAM has no columns femur11 to femur44 (did you mean \"femur_T\"?); its 4x4 matrices "
+      "are \"femur_T\"");
+  EXPECT_EQ(refused(nothing, "femur_T,tibia_T").find("motion-columns = femur_T,tibia_T: JAM has no columns tibia_T11"),
+            0);
+  EXPECT_EQ(refused(nothing, "femur_T", "3"),
+            "motion-start = 3: JAM has no row at this time; its 2 rows are at times 1 "
+            "to 2");
+  EXPECT_NE(refused(nothing, "femur_T", "", "inch").find("this is no unit of a matrix that is known"),
+            std::string::npos);
+  EXPECT_NE(refused(nothing, "femur_T", "", "", "xyz").find("which say how the body turns; leave it out"),
+            std::string::npos);
+
+  // a column that is missing, two bodies of which none is named
+  const Poses one = {pose(1, kX, {0, 0, 0})};
+  std::string text = jam_text({{"femur", one}, {"tibia", one}}, 1);
+  text.replace(text.find("femur_T24"), 9, "femur_X24");
+  const auto fault = [&](const std::string& columns) {
+    try {
+      matrices_of(file("jam.sto", text), columns);
+    } catch (const std::runtime_error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(fault("femur_T").find("has no column femur_T24; its 4x4 matrices are \"tibia_T\""), std::string::npos)
+      << fault("femur_T");
+  text = jam_text({{"femur", one}, {"tibia", one}}, 1);
+  EXPECT_NE(fault("").find("found 2 matrices in each row, \"femur_T\", \"tibia_T\"; name the body's with"),
+            std::string::npos)
+      << fault("");
+  for (const char* word : {"own", "1,femur", "1,2", "", "ground"}) {
+    Settings settings;
+    EXPECT_THROW(find_setting_option("motion-start")->set(settings, "", word), BadValue) << word;
+  }
+}
+
+// The same motion by angles about the origin and by matrices presses the same.
+TEST(Matrices, PressAsTheSameMotionByAngles) {
+  const Eigen::Isometry3d T = Eigen::Translation3d(0.1, -0.05, -0.3) * Eigen::AngleAxisd(0.02, kZ) *
+                              Eigen::AngleAxisd(0.01, kX) * Eigen::AngleAxisd(-0.015, Eigen::Vector3d(0, 1, 0));
+  const auto solved = [&](MotionTable motion) {
+    JointModel model = read_feb(DEA_SAMPLES_DIR "/sphere_on_flat/sphere_on_flat.feb");
+    Settings settings;
+    settings.motion = std::move(motion);
+    settings.motion.body = "sphere";
+    settings.law = Law::Linear;
+    settings.skip_steps = true;
+    settings.rotate_about["sphere"] = {TurnPoint::Kind::Point, Eigen::Vector3d::Zero()};
+    read_tables(model, settings);
+    AnalysisOptions options;
+    options.times = row_states(model, settings, parse_states(""), "--states").times;
+    return analyse(recognise(std::move(model), settings), options).states.back();
+  };
+  MotionTable angles, matrices;
+  angles.file = file("a.csv", "tx,ty,tz,rx,ry,rz\n0.1,-0.05,-0.3,0.01,-0.015,0.02\n");
+  angles.rotation = "zxy";
+  angles.units = "rad-mm";
+  std::string names, row;
+  for (int k = 0; k < 16; ++k) {
+    names += fmt::format("{}B_T{}{}", k > 0 ? "," : "", k / 4 + 1, k % 4 + 1);
+    row += fmt::format("{}{:.17g}", k > 0 ? "," : "", T.matrix()(k / 4, k % 4));
+  }
+  matrices.file = file("m.csv", names + "\n" + row + "\n");
+  const StateResult a = solved(angles), m = solved(matrices);
+  const auto force = [](const StateResult& state) { return state.equilibrium.contact_on_target[0].head<3>(); };
+  EXPECT_GT(force(a).norm(), 1.0);
+  EXPECT_LT((force(a) - force(m)).norm(), 1e-9 * force(a).norm());  // rounding alone
+  for (std::size_t b = 0; b < a.equilibrium.poses.size(); ++b) {
+    EXPECT_LT((a.equilibrium.poses[b].center - m.equilibrium.poses[b].center).norm(), 1e-12);
+    EXPECT_LT((a.equilibrium.poses[b].rotation - m.equilibrium.poses[b].rotation).norm(), 1e-12);
+  }
+}
+
 TEST(Tables, DegreesMayBeWrittenWithSpaces) {
   for (const char* line : {"inDegrees=yes", "inDegrees = yes", "InDegrees =Yes"}) {
     Settings settings;
@@ -208,6 +450,7 @@ TEST(Tables, SettingsOfATableWithoutItAreRefused) {
   refused("load-frame", "1,0,0/0,1,0/0,0,1");
   refused("body-weight", "800");
   refused("motion-rotation", "xyz");
+  refused("motion-start", "1");
 }
 
 TEST(Tables, MomentsInPercentOfBodyWeightSayTheirLength) {

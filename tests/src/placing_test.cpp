@@ -295,6 +295,25 @@ TEST(Rows, MotionIsAPrescribedPose) {
   EXPECT_LT((pose.center + pose.rotation * point - (point + Vector3d(0.05, 0, -0.4))).norm(), 1e-12);
 }
 
+// Rows that turn about the global origin move every point of the body as it starts: x = R x + p, whatever its centre of
+// mass, its placement and the point that it is turned about.
+TEST(Rows, MotionAboutTheOriginMovesEveryPointOfTheBodyAsItStarts) {
+  JointModel model = test::flat_plates(6, 10, 2, 0.1);
+  const Vector3d w = 0.01 * Vector3d(1, -0.5, 0.2), p(0.05, 0.3, -0.4), shift(0.2, 0, 0.1);
+  Settings table;
+  table.placements = {{Placement::Kind::Move, "plate", shift}};
+  table.rotate_about["plate"] = {TurnPoint::Kind::Point, Vector3d(2, 1, 0)};
+  table.motion.body = "plate";
+  table.motion.time = {0.0};
+  table.motion.motion = {six(p, w)};
+  table.motion.turns = table.motion.about_origin = true;
+  const StateResult a = last_state(model, table);
+  const Pose pose = a.equilibrium.poses[1];
+  const Vector3d point(-3, 4, 1), center = Vector3d::Zero();  // of mass, in the reference: where other tests have it
+  EXPECT_LT((pose.rotation - rotation(w)).norm(), 1e-14);
+  EXPECT_LT((pose.center + pose.rotation * (point - center) - (rotation(w) * (point + shift) + p)).norm(), 1e-12);
+}
+
 // A table of translations leaves the rotation that the model prescribes as it is.
 TEST(Rows, TranslationsAloneLeaveTheModelsRotation) {
   JointModel model = test::flat_plates(6, 10, 2, 0.5);

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "io/results/existing_file.h"
 #include "src/base/numbers.h"
 #include "views/map/draw_map.h"
 #include "views/map/map_scale.h"
@@ -106,6 +107,7 @@ struct GifWriter::State {
     const std::uint8_t for_ever[] = {1, 0, 0};
     require(EGifPutExtensionBlock(file, 3, for_ever), file->Error);
     require(EGifPutExtensionTrailer(file), file->Error);
+    require(EGifPutComment(file, std::string(kPictureMark).c_str()), file->Error);
   }
 
   Changed changed(const std::vector<GifPixelType>& pixels) const {

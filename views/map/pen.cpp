@@ -3,6 +3,7 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <cctype>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "io/files/encoded_text.h"
 #include "io/files/output.h"
+#include "io/results/existing_file.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 
@@ -31,6 +33,21 @@ void drop_number(std::string& svg) {
     while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
     svg.erase(i + word.size(), end - i - word.size());
   }
+}
+
+/// A PNG with the mark as a chunk of text behind its head (PNG specification, 11.3.4).
+void add_mark(std::string& png) {
+  constexpr std::size_t kHead = 8 + 25;  // signature, IHDR
+  const auto number = [](std::size_t n) {
+    std::string bytes;
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(n >> shift & 0xFF);
+    return bytes;
+  };
+  std::string chunk = "tEXtComment";
+  chunk += '\0';
+  chunk += kPictureMark;
+  const auto sum = crc32(0, reinterpret_cast<const unsigned char*>(chunk.data()), static_cast<uInt>(chunk.size()));
+  png.insert(kHead, number(chunk.size() - 4) + chunk + number(sum));
 }
 
 void require(cairo_status_t status) {
@@ -192,6 +209,7 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
     zoom = 0.75;
     surface.reset(cairo_pdf_surface_create_for_stream(append, &bytes, zoom * size.width, zoom * size.height));
     cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, std::string(kPictureMark).c_str());
   } else {
     zoom = size.dpi / 96.0;
     surface = pixels(size);
@@ -206,6 +224,9 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
   require(cairo_surface_status(surface.get()));
   if (size.format == PictureFormat::Svg) drop_number(bytes);  // no word of ours is in it yet
   if (text) bytes.insert(bytes.rfind("</svg>"), fmt::format("<g font-family=\"sans-serif\">\n{}</g>\n", texts));
+  if (size.format == PictureFormat::Svg)
+    bytes.insert(bytes.rfind("</svg>"), fmt::format("<!-- {} -->\n", kPictureMark));
+  if (size.format == PictureFormat::Png) add_mark(bytes);
   return bytes;
 }
 
