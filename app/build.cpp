@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/build_request.h"
+#include "app/build_standing.h"
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
@@ -14,6 +15,8 @@
 #include "io/results/existing_file.h"
 #include "io/settings/settings_xml.h"
 #include "src/base/error.h"
+#include "src/base/rotations.h"
+#include "src/build/free_dofs.h"
 #include "src/build/remesh.h"
 #include "src/run/analysis.h"
 #include "views/build_page/build_page.h"
@@ -26,26 +29,6 @@
 namespace dea {
 
 namespace {
-
-/// Forces along directions in which their bone is held reach no cartilage. Throws UsageError: nothing else is left.
-void tell_held_forces(const BuildRequest& request, std::vector<std::string>& findings) {
-  for (const BoneRequest& bone : request.bones) {
-    const std::vector<Vector3d> forces = bone.forces.empty() ? std::vector<Vector3d>{bone.force} : bone.forces;
-    for (const Vector3d& force : forces) {
-      if (bone.fixed || force.isZero(0)) continue;
-      Vector3d held = Vector3d::Zero();
-      for (int c = 0; c < 3; ++c)
-        if (bone.held[at(c)]) held[c] = force[c];
-      if (held.isZero(0)) continue;
-      if (held == force)
-        throw UsageError(fmt::format("--hold {}: found a force {} that is held altogether, expected one that presses",
-                                     bone.name, vector_text(force)));
-      findings.push_back(
-          fmt::format("{}: {} of the force {} goes into what holds the bone (--hold), not into the joint", bone.name,
-                      vector_text(held), vector_text(force)));
-    }
-  }
-}
 
 /// A fault without advice that names options of dea run, which dea build has not.
 std::string without_options(Fault fault) {
@@ -68,6 +51,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
   for (std::size_t i = 0; i < balances.size(); ++i) {
     balances[i].time = options.times[i].time;
     balances[i].displacement.assign(built.bodies.size(), Vector3d::Zero());
+    balances[i].turn.assign(built.bodies.size(), Vector3d::Zero());
   }
   try {
     const Analysis analysis = analyse(recognise(std::move(model)), options);
@@ -81,8 +65,10 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
       if (!advice.empty() && advice.settings.empty()) words += " " + worded(advice, command_line_wording());
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
-          if (analysis.joint.bodies[j].name == built.bodies[b].name)
+          if (analysis.joint.bodies[j].name == built.bodies[b].name) {
             balances[i].displacement[b] = state.equilibrium.poses[j].center - built.bodies[b].center;
+            balances[i].turn[b] = rotation_vector(state.equilibrium.poses[j].rotation);
+          }
       for (std::size_t c = 0; c < state.statistics.size(); ++c)
         balances[i].contacts.push_back({analysis.joint.contacts[c].name, state.statistics[c].headline});
     }
@@ -90,6 +76,10 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
     for (BuildBalance& balance : balances) balance.words = without_options(e.fault);
   }
   return balances;
+}
+
+void add_findings(const std::vector<std::string>& more, std::vector<std::string>& findings) {
+  findings.insert(findings.end(), more.begin(), more.end());
 }
 
 /// So many triangles of bones at most are drawn on the page.
@@ -133,19 +123,22 @@ int build(const BuildArguments& a) {
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
   report.findings = read_loads(inputs);
-  for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
+  add_findings(read_placements(a, inputs), report.findings);
+  add_findings(read_surfaces(a, inputs), report.findings);
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);
   leave_frames(inputs.request, anatomy);
-  tell_held_forces(inputs.request, report.findings);
+  add_findings(held_forces(inputs.request), report.findings);
   if (!a.hip_figure.empty() && !anatomy.hip)
     throw InputError(
         fmt::format("--hip-figure {}: found nothing measured of a hip, expected a ball in a socket that opens sideways",
                     a.hip_figure));
-  report.findings.insert(report.findings.end(), anatomy.findings.begin(), anatomy.findings.end());
+  add_findings(anatomy.findings, report.findings);
   progress.now("cartilage", "", "cartilage and its mesh");
-  const BuiltJoint joint = build_joint(inputs.request, report);
+  BuiltJoint joint = build_joint(inputs.request, report);
+  count_motion_from_centers(joint);
+  choose_dofs(inputs.request, joint, report);
 
   inputs.model.elements_through = inputs.request.elements_through;
   inputs.model.comment = fmt::format("{} of {} surfaces.", kBuiltMark, inputs.files.size());
@@ -154,7 +147,10 @@ int build(const BuildArguments& a) {
     log("warning: " + question);
   }
   const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), a.output, joint, progress);
-  if (balances.front().found) inputs.model.seat = balances.front().displacement;
+  if (balances.front().found) {
+    inputs.model.seat = balances.front().displacement;
+    inputs.model.seat_turn = balances.front().turn;
+  }
   progress.now("writing " + file_name(a.output), "", "writing " + file_name(a.output));
   write_text(a.output, joint_feb(joint, inputs.model));
   if (!a.frames.empty()) write_text(a.frames, frames_as_settings(anatomy.frames));

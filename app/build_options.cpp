@@ -12,9 +12,10 @@ the bone. The cartilage of a bone is one of
   --uniform NAME=T        one thickness, where the bone faces another
   --half-gap max=2,min=0.5  half the gap between the bones, within these bounds, for all bones without another option
   --thickness-at NAME=FILE  a table with columns x, y, z, thickness; the nearest point counts
-A bone with none of them is bare. The first step of the model seats the loaded bones where dea finds them in balance; the
-second has the force, or the forces of a table row by row. dea run solves the model, and so does FEBio. Notes on standard error
-say what dea inferred; docs/from_scans.md has more.
+A bone with none of them is bare. --place puts a bone where it stands before anything is measured. The first step of the
+model seats the loaded bones where dea finds them in balance; the second has the force, or the forces of a table row by row.
+--free says in which motions a bone is free (Ru: the turn about x), --motion moves one, --ligaments joins them. dea run solves
+the model, and so does FEBio. Notes on standard error say what dea inferred; docs/from_scans.md has more.
 
 In frame:pelvis x points forwards, y up and z to the right of the body, for a left hip too.
 
@@ -22,7 +23,9 @@ Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --force femur=432,-262,1834 -o hip.feb
   dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb --report joint.html
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --landmarks landmarks.csv --force femur=frame:pelvis,250,1800,-400 --frames hip_frames.xml --hip-figure hip_figure.svg -o hip.feb
-  dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb)";
+  dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb
+  dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --place femur=femur_pose.txt --free femur=x,z --force femur=432,-262,1834 -o placed.feb
+  dea build --bone femur=knee_femur.stl --cartilage femur=knee_femoral_cartilage.stl --bone tibia=knee_tibia.stl --cartilage tibia=knee_tibial_cartilage.stl --center femur=0,0,0 --motion femur=knee_flexion.csv --motion-rotation zxy --motion-units deg-mm --ligaments knee_ligaments.csv --force tibia=0,0,700 -o made_knee.feb)";
 
 }  // namespace
 
@@ -40,6 +43,10 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--scale", a.scale, "FACTOR", "Surfaces", "Factor from the files' coordinates to mm");
   add_once(*c, "--mirror", a.mirror, "x=0,y=0", "Surfaces",
            "The files have one side of these planes of symmetry: add the other and build the whole joint");
+  add_repeated(*c, "--place", a.places, "NAME=FILE|FILE:ROW|x,y,z|16 numbers", "Surfaces",
+               "Where a bone stands, with all that its files give: a 4x4 matrix as text, Slicer's linear transform "
+               "(.tfm), a row of a table of poses, a translation, or a matrix row by row; inverse:FILE: the other way "
+               "round [as in its file]");
   add_repeated(
       *c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
       "Where the cartilage is: near a surface or in a sphere. A plane trims what was found to the side of its normal. "
@@ -67,7 +74,25 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--load-columns", a.load_columns, "FX,FY,FZ", "Model", "Columns of the table [found by name]");
   add_once(*c, "--load-units", a.load_units, "FORCE-LENGTH", "Model", "Units of the table [N-mm; OpenSim's: N-m]");
   add_once(*c, "--body-weight", a.body_weight, "FORCE", "Model", "The table is in % of this body weight");
-  add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model", "Directions in which a bone with a force is held");
+  add_repeated(*c, "--free", a.frees, "BODY=x,y,z,Ru,Rv,Rw", "Model",
+               "Motions of a bone to solve for, as dea run --free (\"none\": no motion); all others are held [a ball: "
+               "x,y,z; two compartments and ligaments: all but flexion; a bone without a force: none]");
+  add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model",
+               "Motions in which a bone is held, of those that dea would leave free");
+  add_once(*c, "--motion", a.motion, "BODY=FILE", "Model",
+           "Poses of a bone from a table, row by row, as dea run --motion reads it: from where it stands, about its "
+           "centre");
+  add_once(*c, "--motion-columns", a.motion_columns, "TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Model",
+           "Columns of the table of poses, also of --place FILE:ROW; NAME_T: of 4x4 matrices [found by name]");
+  add_once(*c, "--motion-rotation", a.motion_rotation, "vector|zxy", "Model",
+           "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
+  add_once(*c, "--motion-units", a.motion_units, "ANGLE-LENGTH", "Model",
+           "Units of the table of poses: deg-mm, rad-m; must be given if it has rotations");
+  add_once(*c, "--motion-start", a.motion_start, "own-frame|TIME[,ground]", "Model",
+           "Of matrices: where the bone's files have it, as dea run --motion-start [own-frame]");
+  add_once(*c, "--ligaments", a.ligaments, "FILE.csv", "Model",
+           "Ligaments: name, body_a, x_a, y_a, z_a, body_b, x_b, y_b, z_b, stiffness [N per strain], slack_length or "
+           "reference_strain; curve (blankevoort or linear), toe_strain [blankevoort, 0.06]");
   add_repeated(*c, "--center", a.centers, "BODY=x,y,z", "Model",
                "Centre of a bone, where its force acts [a ball's: that of its sphere]");
   add_repeated(*c, "--landmarks", a.landmarks, "FILE", "Anatomy",
@@ -81,7 +106,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
            "Side of the body [from the landmarks, else from where the hip's socket opens to]");
   add_once(*c, "--scan-axes", a.scan_axes, "LPS|RAS", "Anatomy",
            "Axes of the bones if there are no landmarks of the pelvis [those in which the socket opens to its side and "
-           "forwards]");
+           "forwards]; with --place NAME=FILE.tfm [LPS]");
   add_once(*c, "--hip", a.hip, "SOCKET,HEAD|none", "Anatomy",
            "Bones of a hip whose spheres, rim and angles to measure [two that are a ball in a socket]");
   add_once(*c, "--E", a.E, "MODULUS", "Model", "Young's modulus of the cartilage [11.85 MPa]");

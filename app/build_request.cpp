@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/build_names.h"
+#include "app/build_standing.h"
 #include "io/build/landmarks.h"
 #include "io/settings/settings_xml.h"
 #include "io/surfaces/read_surface.h"
-#include "io/tables/read_tables.h"
 #include "io/tables/table.h"
 #include "src/base/names.h"
 #include "src/build/mend_surface.h"
@@ -19,54 +20,15 @@ namespace {
 
 using Way = CartilageRequest::Way;
 
-UsageError wrong(const std::string& option, const std::string& text, const std::string& found,
-                 const std::string& expected) {
-  return UsageError(fmt::format("--{} {}: found {}, expected {}", option, text, found, expected));
-}
-
-/// "femur=2.0", cut at the first '=': a file's name may have more of them.
-struct Named {
-  std::string name, value;
-};
-Named named(const char* option, const std::string& text, const char* form) {
-  const std::size_t cut = text.find('=');
-  const std::string name = trimmed(text.substr(0, cut));
-  if (cut == std::string::npos || name.empty() || cut + 1 == text.size()) throw wrong_word(option, text, form);
-  if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
-    throw UsageError(
-        fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
-  return {name, trimmed(text.substr(cut + 1))};
-}
-
-std::vector<std::string> bone_names(const BuildRequest& request) {
-  std::vector<std::string> names;
-  for (const BoneRequest& b : request.bones) names.push_back(b.name);
-  return names;
-}
-
 /// The model has parts of these names.
 void refuse_names_of_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (name == "cartilage") throw wrong("bone", name, "the name of the cartilage's material", "another");
     for (const std::string& other : names)
-      for (const char* part : {"_cartilage", "_bone"})
+      for (const char* part : {"_cartilage", "_bone", "_ligament_ends"})
         if (name.rfind(other + part, 0) == 0)
           throw wrong("bone", name, fmt::format("a name that a part of \"{}\" has in the model", other), "another");
   }
-}
-
-int bone_of(const BuildRequest& request, const char* option, const std::string& name) {
-  const std::vector<std::string> names = bone_names(request);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw UsageError(fmt::format("--{} {}: no bone has this name{}; bones are {}", option, name,
-                                 did_you_mean(name, names), name_list(names)));
-  return static_cast<int>(found - names.begin());
-}
-
-/// Of an option that a bone has once.
-void refuse_second(const char* option, const std::string& text, bool there) {
-  if (there) throw wrong(option, text, "a second one for this bone", "one");
 }
 
 double not_negative(const char* option, const std::string& text) {
@@ -167,32 +129,12 @@ void add_loads(const BuildArguments& a, BuildInputs& inputs) {
           std::pair{"body-weight", &a.body_weight}})
       if (!text->empty()) throw wrong(option, *text, "no table", "--loads BODY=FILE too");
   }
-  for (const std::string& text : a.holds) {
-    const Named n = named("hold", text, "BODY=x,y");
-    BoneRequest& bone = request.bones[at(bone_of(request, "hold", n.name))];
-    if (bone.fixed) throw wrong("hold", text, "a bone without a force, which is held as a whole", "a loaded one");
-    for (const std::string& direction : split_at_commas(n.value)) {
-      const std::size_t c = std::string("xyz").find(direction);
-      if (direction.size() != 1 || c == std::string::npos)
-        throw wrong("hold", text, fmt::format("\"{}\"", direction), "x, y or z, with commas");
-      bone.held[c] = true;
-    }
-    if (bone.held[0] && bone.held[1] && bone.held[2])
-      throw wrong("hold", text, "all three directions", "one that is left to the force");
-  }
   for (const std::string& text : a.centers) {
     const Named n = named("center", text, "BODY=x,y,z");
     BoneRequest& bone = request.bones[at(bone_of(request, "center", n.name))];
     refuse_second("center", text, bone.center.has_value());
     bone.center = vector_argument("center", n.value);
   }
-  if (a.forces.empty() && a.loads.empty())
-    throw UsageError(
-        "no force is given, expected --force BODY=x,y,z or --loads BODY=FILE: it presses one bone against the others, "
-        "which are held");
-  if (std::all_of(request.bones.begin(), request.bones.end(), [](const BoneRequest& b) { return !b.fixed; }))
-    throw UsageError(fmt::format("--{}: found a load for every bone, expected one bone without, which is held",
-                                 a.forces.empty() ? "loads" : "force"));
 }
 
 void set_mesh(const BuildArguments& a, BuildRequest& request) {
@@ -321,10 +263,13 @@ void add_image(const std::string& path, const MirrorPlane& mirror, TriangleSurfa
   s.append(image);
 }
 
-MendedSurface read_mended(const std::string& path, const BuildSources& sources, const std::string& what,
-                          std::vector<std::string>& findings) {
+/// `bone`: with which it is placed.
+MendedSurface read_mended(const std::string& path, const BuildSources& sources, std::size_t bone,
+                          const std::string& what, std::vector<std::string>& findings) {
   TriangleSurface surface = read_surface(path);
   for (Eigen::Vector3d& x : surface.points) x *= sources.scale;
+  if (sources.placed[bone])
+    for (Eigen::Vector3d& x : surface.points) x = sources.poses[bone] * x;
   for (const MirrorPlane& mirror : sources.mirrors) add_image(path, mirror, surface);
   MendedSurface mended = mend_surface(surface);
   const std::size_t triangles = mended.surface.triangles.size();
@@ -357,7 +302,7 @@ void read_points(const std::string& path, const BuildSources& sources, Cartilage
     const auto value = [&](int i) { return sources.scale * table.rows[r][at(column[i])]; };
     if (!(value(3) > 0))
       throw InputError(path, table.lines[r], fmt::format("found a thickness of {}, expected one above 0", value(3)));
-    c.places.push_back({value(0), value(1), value(2)});
+    c.places.push_back(sources.poses[at(c.bone)] * Eigen::Vector3d(value(0), value(1), value(2)));
     c.thickness_there.push_back(value(3));
   }
   for (const MirrorPlane& mirror : sources.mirrors) {
@@ -371,9 +316,10 @@ void read_points(const std::string& path, const BuildSources& sources, Cartilage
   }
 }
 
-void read_all_landmarks(const BuildArguments& a, AnatomyRequest& anatomy, std::vector<std::string>& findings) {
+void read_all_landmarks(const BuildArguments& a, BuildInputs& inputs, std::vector<std::string>& findings) {
+  AnatomyRequest& anatomy = inputs.anatomy;
   std::string axes;
-  for (const std::string& path : a.landmarks) {
+  for (const auto& [bone, path] : inputs.sources.landmarks) {
     const LandmarkFile file = read_landmarks(path);
     if (!axes.empty() && !file.axes.empty() && axes != file.axes)
       throw InputError(path, 0,
@@ -383,11 +329,14 @@ void read_all_landmarks(const BuildArguments& a, AnatomyRequest& anatomy, std::v
       l.point *= anatomy.landmark_scale;
       l.file = path;
       if (a.flip_landmarks) l.point.head<2>() *= -1;
+      if (bone >= 0) l.point = inputs.sources.poses[at(bone)] * l.point;
       anatomy.landmarks.push_back(l);
     }
-    findings.push_back(fmt::format("landmarks: {}: {}{}{}", path, file.landmarks.size(),
-                                   file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
-                                   a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
+    findings.push_back(
+        fmt::format("landmarks: {}: {}{}{}{}", path, file.landmarks.size(),
+                    file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
+                    a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes",
+                    bone >= 0 ? fmt::format(", placed with {}", inputs.request.bones[at(bone)].name) : ""));
   }
 }
 
@@ -451,9 +400,20 @@ BuildInputs build_inputs(const BuildArguments& a) {
   }
   inputs.anatomy.landmark_scale =
       a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
-  for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
+  for (const std::string& text : a.landmarks) {
+    const std::vector<std::string> names = bone_names(request);
+    const std::size_t cut = text.find('=');
+    const auto bone =
+        std::find(names.begin(), names.end(), trimmed(text.substr(0, cut)));  // a file's name may have '='
+    LandmarkSource source{-1, text};
+    if (cut != text.npos && bone != names.end())
+      source = {static_cast<int>(bone - names.begin()), trimmed(text.substr(cut + 1))};
+    sources.landmarks.push_back(source);
+    inputs.files.push_back({"--landmarks", source.path});
+  }
   request.wording = inputs.anatomy.wording = command_line_wording();
   add_loads(a, inputs);
+  add_standing(a, inputs);
   set_mesh(a, request);
   set_anatomy(a, request, inputs.anatomy);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
@@ -463,36 +423,12 @@ BuildInputs build_inputs(const BuildArguments& a) {
   return inputs;
 }
 
-std::vector<std::string> read_loads(BuildInputs& inputs) {
-  if (inputs.sources.loads.file.empty()) return {};
-  Settings settings;
-  settings.loads = inputs.sources.loads;
-  JointModel units;
-  units.units = inputs.model.units;
-  read_tables(units, settings);
-  const LoadTable& loads = settings.loads;
-  BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", loads.body))];
-  std::vector<std::string> findings = {
-      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words)};
-  if (!loads.doubt.empty()) findings.push_back(fmt::format("{}: body weight: {}", loads.body, loads.doubt));
-  bool moments = false;
-  for (const auto& load : loads.load) {
-    bone.forces.push_back(load.head<3>());
-    moments = moments || !load.tail<3>().isZero(0);
-  }
-  bone.force = bone.forces.front();
-  inputs.load_times = loads.time;
-  if (moments)
-    findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", loads.body));
-  return findings;
-}
-
 std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {
   std::vector<std::string> findings;
   BuildRequest& request = inputs.request;
   const BuildSources& sources = inputs.sources;
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
-    MendedSurface mended = read_mended(sources.bones[b], sources, request.bones[b].name, findings);
+    MendedSurface mended = read_mended(sources.bones[b], sources, b, request.bones[b].name, findings);
     request.bones[b].closed = mended.closed();
     request.bones[b].surface = std::move(mended.surface);
   }
@@ -505,14 +441,14 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
   const auto bone_name = [&](const CartilageRequest& c) { return request.bones[at(c.bone)].name; };
   for (const CartilageFile& file : sources.outer) {
     CartilageRequest& c = request.cartilages[file.cartilage];
-    c.outer = read_mended(file.path, sources, bone_name(c) + " cartilage", findings).surface;
+    c.outer = read_mended(file.path, sources, at(c.bone), bone_name(c) + " cartilage", findings).surface;
   }
   for (const CartilageFile& file : sources.places) read_points(file.path, sources, request.cartilages[file.cartilage]);
   for (const CartilageFile& file : sources.regions) {
     CartilageRequest& c = request.cartilages[file.cartilage];
-    c.region->surface = read_mended(file.path, sources, bone_name(c) + " region", findings).surface;
+    c.region->surface = read_mended(file.path, sources, at(c.bone), bone_name(c) + " region", findings).surface;
   }
-  read_all_landmarks(a, inputs.anatomy, findings);
+  read_all_landmarks(a, inputs, findings);
   return findings;
 }
 

@@ -3,52 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.h"
-#include "io/files/output.h"
-#include "src/build/anatomy.h"
-#include "src/build/build_joint.h"
-#include "src/model/settings.h"
+#include "app/build_inputs.h"
 
 namespace dea {
-
-/// A plane across an axis.
-struct MirrorPlane {
-  int axis = 0;
-  double at = 0.0;
-};
-
-/// A file for one of the request's cartilages.
-struct CartilageFile {
-  std::size_t cartilage = 0;
-  std::string path;
-};
-
-/// What is to be read, and how.
-struct BuildSources {
-  double scale = 1.0;  ///< of all coordinates, to mm; of landmarks: AnatomyRequest::landmark_scale
-  std::vector<MirrorPlane> mirrors;
-  std::vector<std::string> bones;  ///< as the request's
-  std::vector<CartilageFile> outer, places, regions;
-  LoadTable loads;  ///< no file: none
-};
-
-struct BuildInputs {
-  BuildRequest request;
-  BuiltModelSettings model;
-  AnatomyRequest anatomy;
-  BuildSources sources;
-  std::vector<NamedPath> files;    ///< all that are read
-  std::vector<double> load_times;  ///< of --loads, per row; empty: none
-};
 
 /// All but the surfaces: options that contradict each other or name no bone are refused before anything is read.
 BuildInputs build_inputs(const BuildArguments& arguments);
 
-/// Reads the table of loads into the request, in N. Returns what was found. Throws InputError, UsageError.
-std::vector<std::string> read_loads(BuildInputs& inputs);
-
-/// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
-/// InputError.
+/// Reads, scales, mends and places all surfaces into the request, and reads the landmarks. Returns what was found.
+/// Throws InputError.
 std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
 
 }  // namespace dea

@@ -51,6 +51,11 @@ gait = (source / "samples/osteotomy/gait.csv").read_bytes()
 (tables / "cases").write_bytes(b'\4tilt,model,"E, MPa"\n10,"a.feb",8\n-10,b.feb,"12"\n')
 (tables / "landmarks").write_bytes(b"\5name,x,y,z\nASIS left,1,2,3\nASIS right,-1,2,3e0\n")
 (tables / "markups").write_bytes(b"\6# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = id,x,y,z,label,defined\n1,1,2,3,hip,1\n2,0,0,0,knee,0\n")
+(tables / "matrix").write_bytes(b"\x09# pose\n0 -1 0 1\n1 0 0 2e1\n0 0 1 3\n0 0 0 1\n")
+(tables / "transform").write_bytes(b"\x09#Insight Transform File V1.0\n#Transform 0\nTransform: AffineTransform_double_3_3\n"
+                                  b"Parameters: 0 -1 0 1 0 0 0 0 1 0 0 5\nFixedParameters: 1 0 0\n")
+(tables / "ligaments").write_bytes(b"\x0aname,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness [N],slack_length,reference_strain,curve,toe_strain\n"
+                                  b"ACL,femur,1,2,3,tibia,4,5,6,5000,,0.06,,\nMCL,tibia,0,0,0,femur,1,1,1,2750,80,,linear,\n")
 (tables / "json").write_bytes(b'\7{"markups": [{"coordinateSystem": "LPS", "controlPoints": [{"label": "RASIS", "position": [1.5, -2, 3e0], '
                              b'"positionStatus": "defined"}]}]}')
 matrix = [1, 0, 0, 0.1, 0, 0, -1, 2, 0, 1, 0, 3, 0, 0, 0, 1]

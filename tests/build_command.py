@@ -15,7 +15,10 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.dont_write_bytecode = True
+sys.path[:0] = [HERE, os.path.join(HERE, "../samples/made_knee")]
+import make_knee  # noqa: E402
 import stl_shapes  # noqa: E402
 
 CHECKS = []
@@ -367,7 +370,7 @@ def a_table_of_loads_is_solved_row_by_row(folder):
     for words, code, said in ((["--loads", "ball=percent.csv", "--force", "ball=0,0,1"], 2, "found --force for this bone too"), (["--loads", "percent.csv"], 2, "expected BODY=FILE"),
                               (["--loads", "bal=percent.csv"], 2, "did you mean"), (["--loads", "ball=none.csv"], 3, "none.csv"), (["--force", "ball=0,0,1", "--body-weight", "800"], 2, "--loads"),
                               (["--loads", "ball=socket.stl"], 3, "socket.stl"), (["--loads", "ball=percent.csv", "--force", "socket=0,0,-1"], 2, "a load for every bone"),
-                              (["--force", "ball=0,0,1", "--hold", "ball=x,y,z"], 2, "all three directions"), (["--force", "ball=0,0,1", "--hold", "ball=w"], 2, "expected x, y or z"),
+                              (["--force", "ball=0,0,1", "--hold", "ball=x,y,z"], 2, "all three directions"), (["--force", "ball=0,0,1", "--hold", "ball=w"], 2, "expected some of x,y,z,Ru,Rv,Rw"),
                               (["--force", "ball=0,0,1", "--hold", "socket=x"], 2, "a bone without a force")):
         done = folder.build(*JOINT[:6], *words, "-q")
         same(done.returncode, code, done.stderr)
@@ -441,6 +444,266 @@ def points_and_regions_are_mirrored_too(folder):
     done = folder.build(*words, "--uniform", "ball=1", "--mirror", "x=0", "--region", "ball=sphere:12,0,16,8")
     same(done.returncode, 2, done.stderr)
     true("its own mirror image" in done.stderr, done.stderr)
+
+
+# ---- how it stands -----------------------------------------------------------------------------------------------------
+
+TURN = math.radians(20)
+ROTATION = ((1, 0, 0), (0, math.cos(TURN), -math.sin(TURN)), (0, math.sin(TURN), math.cos(TURN)))  # about x
+SHIFT = (3.0, -40.0, 7.0)
+
+
+def times(m, x):
+    return tuple(sum(row[k] * x[k] for k in range(3)) for row in m)
+
+
+def transposed(m):
+    return tuple(zip(*m))
+
+
+def placed(x):
+    return tuple(c + d for c, d in zip(times(ROTATION, x), SHIFT))
+
+
+def itk(rotation, shift):
+    return ("#Insight Transform File V1.0\n#Transform 0\nTransform: AffineTransform_double_3_3\nParameters: "
+            + " ".join(repr(v) for v in (*(v for row in rotation for v in row), *shift)) + "\nFixedParameters: 0 0 0\n")
+
+
+@check
+def a_bone_stands_where_it_is_placed(folder):
+    """A ball and its layer in axes of their own, brought back by every kind of pose, balance as where they were scanned. The surfaces
+    are in single precision: a few 1e-6 mm, of which the search makes some 1e-4."""
+    outer = ball(16, 21.5)
+    folder.write("outer.stl", stl(outer))
+    words = ("--bone", "socket=socket.stl", "--bone", "ball=ball.stl", "--cartilage", "ball=outer.stl", "--uniform", "socket=1.5", "--reach", "6",
+             "--force", "ball=100,50,500", "--json", "j.json")
+    same(folder.build(*words).returncode, 0, "as scanned")
+    direct = json.loads(folder.read("j.json"))
+    own = lambda x: times(transposed(ROTATION), tuple(c - d for c, d in zip(x, SHIFT)))  # noqa: E731
+    folder.write("ball.stl", stl(moved(ball(16, 20), own)))
+    folder.write("outer.stl", stl(moved(outer, own)))
+    rows = [[*row, c] for row, c in zip(ROTATION, SHIFT)] + [[0, 0, 0, 1]]
+    folder.write("pose.txt", "\n".join(" ".join(repr(float(v)) for v in row) for row in rows))
+    back = transposed(ROTATION), times(transposed(ROTATION), tuple(-c for c in SHIFT))  # ITK: where points come from
+    folder.write("T.tfm", itk(*back))
+    folder.write("forwards.tfm", itk(ROTATION, SHIFT))
+    over = lambda m: tuple(tuple(v * (-1 if i < 2 else 1) * (-1 if k < 2 else 1) for k, v in enumerate(row)) for i, row in enumerate(m))  # noqa: E731
+    folder.write("ras.tfm", itk(over(back[0]), tuple(v * (-1 if i < 2 else 1) for i, v in enumerate(back[1]))))
+    folder.write("poses.csv", "tx,ty,tz,rx,ry,rz\n9,9,9,0,0,0\n3,-40,7,20,0,0\n")
+    table = ("--motion-rotation", "xyz", "--motion-units", "deg-mm")
+    names = ",".join(f"ball_T{i}{k}" for i in range(1, 5) for k in range(1, 5))
+    folder.write("matrices.csv", f"{names}\n" + ",".join(repr(float(v)) for row in rows for v in row) + "\n")
+    for place, more, said in (("pose.txt", (), "turned by 20 degrees about (1, 0, 0)"), ("inverse:back.txt", (), "the other way round"),
+                              (",".join(repr(float(v)) for row in rows for v in row), (), "as given"),
+                              ("T.tfm", (), "turned round; the bones' axes taken as LPS"), ("inverse:forwards.tfm", (), "inverse:"),
+                              ("ras.tfm", ("--scan-axes", "RAS"), "taken as RAS"), ("poses.csv:2", table, "row 2 of poses.csv"), ("matrices.csv:1", ("--motion-columns", "ball_T"), "row 1 of matrices.csv")):
+        folder.write("back.txt", "\n".join(" ".join(repr(float(v)) for v in (*row, c)) for row, c in zip(*back)) + "\n0 0 0 1")
+        done = folder.build(*words, "--place", f"ball={place}", *more)
+        same(done.returncode, 0, f"{place}: {done.stderr}")
+        true(said in done.stderr, f"{place}: {done.stderr}")
+        for x, y in zip(json.loads(folder.read("j.json"))["bones"][1]["seat"], direct["bones"][1]["seat"]):
+            close(x, y, 1e-3, f"{place}: seat")
+    # in m, as OpenSim has bodies: the matrix is in the unit of the surfaces, a transform of Slicer in mm
+    for name, radius in (("ball", 20), ("outer", 21.5)):
+        folder.write(f"{name}.stl", stl(moved(moved(ball(16, radius), own), lambda x: tuple(c / 1000 for c in x))))
+    folder.write("socket.stl", stl(moved(socket(16, 24), lambda x: tuple(c / 1000 for c in x))))
+    folder.write("metres.txt", "\n".join(" ".join(repr(float(v) / (1000 if i < 3 and k == 3 else 1)) for k, v in enumerate(row)) for i, row in enumerate(rows)))
+    for place in ("metres.txt", "T.tfm"):
+        same(folder.build(*words, "--units", "m", "--place", f"ball={place}", "-q").returncode, 0, place)
+        for x, y in zip(json.loads(folder.read("j.json"))["bones"][1]["seat"], direct["bones"][1]["seat"]):
+            close(x, y, 1e-3, f"{place}, metres: seat")
+
+
+@check
+def what_cannot_be_placed_is_refused(folder):
+    folder.write("scaled.txt", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1")
+    folder.write("poses.csv", "tx,ty,tz,rx,ry,rz\n0,0,0,20,0,0\n")
+    for words, code, said in ((("--place", "ball=1,2"), 2, "found 2 numbers, expected a translation"), (("--place", "bal=1,2,3"), 2, "did you mean"),
+                              (("--place", "ball=none.txt"), 3, "none.txt: found no file"), (("--place", "ball=scaled.txt"), 3, "a pose does not scale"),
+                              (("--place", "ball=0,0,0", "--place", "ball=0,0,1"), 2, "found a second one"), (("--place", "ball=0,0,0", "--mirror", "x=0"), 2, "--place and --mirror"),
+                              (("--place", "ball=poses.csv:1"), 2, "--motion-rotation"),
+                              (("--place", "ball=poses.csv:2", "--motion-rotation", "vector", "--motion-units", "deg-mm"), 2, "row 2 of a table with 1"),
+                              (("--place", "ball=poses.csv"), 3, "is named FILE:ROW"), (("--motion-units", "deg-mm"), 2, "found no table"),
+                              (("--place", "ball=2,0,0,0,0,2,0,0,0,0,2,0,0,0,0,1"), 2, "a pose does not scale")):
+        done = folder.build(*JOINT, *words, "-q")
+        same(done.returncode, code, f"{words}: {done.stderr}")
+        true(said in done.stderr, f"{words}: {done.stderr}")
+
+
+@check
+def landmarks_go_with_the_bone_they_are_given_for(folder):
+    for name, text in stl_shapes.SURFACES.items():
+        folder.write(name, text)
+    folder.write("landmarks.csv", stl_shapes.LANDMARKS)
+    words = ("--bone", "pelvis=pelvis.stl", "--bone", "femur=femur.stl", "--uniform", "pelvis=2", "--force", "femur=432,-262,1834", "--json", "j.json", "-q")
+    turned = ",".join(repr(float(v)) for row in (*([*row, c] for row, c in zip(ROTATION, SHIFT)), (0, 0, 0, 1)) for v in row)
+    folder.build(*words, "--landmarks", "landmarks.csv")
+    as_is = json.loads(folder.read("j.json"))["frames"]
+    folder.build(*words, "--landmarks", "pelvis=landmarks.csv", "--place", f"pelvis={turned}", "--place", f"femur={turned}")
+    frames = json.loads(folder.read("j.json"))["frames"]
+    same([f["name"] for f in frames], ["pelvis", "femur"], "frames")
+    for frame, before in zip(frames, as_is):
+        for x, y in zip(frame["x"], times(ROTATION, before["x"])):
+            close(x, y, 1e-6, "an axis turned with its bone")
+        for x, y in zip(frame["origin"], placed(before["origin"])):
+            close(x, y, 1e-3, "an origin moved with its bone")
+
+
+@check
+def two_compartments_share_an_eccentric_load_by_the_lever(folder):
+    """The tibia of two compartments, its femur free along z and in varus-valgus: a load 5 mm beside the middle, between contacts that
+    lie x1 and x2 aside, is shared by the lever, F1 x1 + F2 x2 = 5 F. If it does not turn each bears half."""
+    aside = lambda x, y: (abs(x) - 22) ** 2 + y * y  # noqa: E731
+    folder.write("tibia.stl", stl(block(72, 44, 36, 22, -25, True, lambda x, y: aside(x, y) / 120 + 6 * math.exp(-x * x / 25))))
+    folder.write("femur.stl", stl(block(72, 44, 36, 22, 40, False, lambda x, y: 3.5 + aside(x, y) / 50 + 18 * math.exp(-x * x / 36))))
+    words = ("--bone", "tibia=tibia.stl", "--bone", "femur=femur.stl", "--half-gap", "max=2.5,min=0.5", "--force", "femur=0,0,-1500", "--center", "femur=5,0,20", "--json", "j.json")
+    done = folder.build(*words)
+    true("two compartments and no ligaments" in done.stderr and "--free femur=z,Rv" in done.stderr, done.stderr)
+    done = folder.build(*words, "--free", "femur=z,Rv")
+    same(done.returncode, 0, done.stderr)
+    (bone,) = [b for b in json.loads(folder.read("j.json"))["bones"] if b["name"] == "femur"]
+    same((bone["free"], bone["seat"][:2]), (["z", "Rv"], [0, 0]), "free, and held where nothing is free")
+    rows = folder.run("--states", "last")
+    forces = [-float(r["force_z"]) for r in rows]
+    close(sum(forces), 1500, 0.1, "the load")
+    middles = [float(r["center_of_pressure_x"]) for r in rows]
+    # the centre of pressure is the pressures' middle; a force that leans there by up to a tenth has its lever from z = 0 to 5 mm, too
+    close(sum(f * x for f, x in zip(forces, middles)) / 1500, 5, 0.3, "the lever")
+    close(max(forces), 750 * (1 + 5 / 22), 40, "the nearer compartment")
+
+
+@check
+def a_table_of_poses_presses_as_the_load_that_leads_there(folder):
+    """Where a load leads the ball to, a table of poses takes it: the contact bears that load there, in dea build and in dea run."""
+    folder.build(*JOINT[:-1], "ball=100,0,500", "--json", "j.json")
+    seat = json.loads(folder.read("j.json"))["bones"][1]["seat"]
+    folder.write("poses.csv", "time,tx,ty,tz\n0,0,0,%r\n5,%r,%r,%r\n" % (seat[2] / 2, *seat))
+    done = folder.build(*JOINT[:6], "--motion", "ball=poses.csv", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    made = json.loads(folder.read("j.json"))
+    same([load["table_time"] for load in made["loads"]], [0, 5], "times of the table")
+    same(made["bones"][1]["moved"], ["x", "y", "z"], "moved")
+    (row,) = folder.run("--states", "last")
+    # the force at a pose that is known to 1e-3 of the force (the search's end)
+    for c, f in zip("xyz", (100, 0, 500)):
+        close(float(row[f"force_{c}"]), f, 1, "force at the pose")
+    # matrices turn about the origin, not about the ball's centre; the ball is put aside so that both differ
+    aside = (2.0, -3.0, 1.0)
+    for name, triangles in (("ball", ball(16, 20)), ("socket", socket(16, 24))):
+        folder.write(f"{name}.stl", stl(moved(triangles, lambda x: tuple(c + d for c, d in zip(x, aside)))))
+    quarter = ((0, -1, 0), (1, 0, 0), (0, 0, 1))  # about z: the ball's mesh is its own image
+    shift = [c + d - e for c, d, e in zip(aside, seat, times(quarter, aside))]
+    names = ",".join(f"ball_T{i}{k}" for i in range(1, 5) for k in range(1, 5))
+    folder.write("matrices.csv", f"{names}\n" + ",".join(repr(float(v)) for v in (*(v for row, d in zip(quarter, shift) for v in (*row, d)), 0, 0, 0, 1)) + "\n")
+    done = folder.build(*JOINT[:4], "--half-gap", "max=3,min=0.5", "--motion", "ball=matrices.csv", "--motion-columns", "ball_T", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    (bone,) = json.loads(folder.read("j.json"))["loads"][0]["bones"]
+    for x, y in zip(bone["displacement"], seat):
+        close(x, y, 1e-3, "displacement of the centre by a matrix")
+    close(bone["turn"][2], 90, 1e-6, "turn by a matrix")
+    for name, triangles in (("ball", ball(16, 20)), ("socket", socket(16, 24))):
+        folder.write(f"{name}.stl", stl(triangles))
+    # --free takes dofs out of the table: balance there, poses elsewhere
+    done = folder.build(*JOINT[:6], "--motion", "ball=poses.csv", "--free", "ball=x,y", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    true("its x, y not used, which --free leaves free" in done.stderr, done.stderr)
+    bone = json.loads(folder.read("j.json"))["loads"][1]["bones"][0]["displacement"]
+    close(bone[0], 0, 1e-3, "free, without a force along it")
+    close(bone[2], seat[2], 1e-9, "moved")
+
+
+@check
+def a_ligament_pulls_with_its_formula(folder):
+    """A ball hung up in its socket by a bundle along z: the contact bears the force and the bundle's tension at the length that the
+    displacement leaves."""
+    head = "name,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness,slack_length,reference_strain,curve\n"
+    for row, slack, force_of in (("5000,38,,", 38, lambda e: 5000 * (e - 0.03 if e > 0.06 else e * e / 0.12)), ("5000,,0.02,", 40 / 1.02, lambda e: 5000 * (e - 0.03 if e > 0.06 else e * e / 0.12)),
+                                 ("5000,38,,linear", 38, lambda e: 5000 * e)):
+        folder.write("l.csv", head + f"tether,ball,0,0,0,socket,0,0,40,{row}\n")
+        done = folder.build(*JOINT, "--ligaments", "l.csv", "--json", "j.json")
+        same(done.returncode, 0, done.stderr)
+        made = json.loads(folder.read("j.json"))
+        length = math.dist(made["bones"][1]["seat"], (0, 0, 40))
+        close(made["ligaments"][0]["slack_length"], slack, 1e-9, "slack length")
+        close(made["ligaments"][0]["force"], force_of(40 / slack - 1), 1e-6, "force as built")
+        (row,) = folder.run("--states", "last")
+        # the displacement is that of a search which ends at a thousandth of the force
+        close(float(row["force_z"]), 500 + force_of(length / slack - 1), 0.5, "force and tension")
+    for row, code, said in (("tether,bal,0,0,0,socket,0,0,40,5000,38,,", 3, "l.csv:2: tether: body_a: no bone has the name \"bal\" (did you mean \"ball\"?)"),
+                            ("tether,ball,0,0,0,ball,0,0,40,5000,38,,", 3, "found one bone at both ends"),
+                            ("tether,ball,0,0,40,socket,0,0,40,5000,38,,", 3, "found both ends at one place")):
+        folder.write("l.csv", head + row + "\n")
+        done = folder.build(*JOINT, "--ligaments", "l.csv", "-q")
+        same(done.returncode, code, done.stderr)
+        true(said in done.stderr, done.stderr)
+
+
+def turned(w, x):
+    """By the rotation vector w [degrees]."""
+    angle = math.sqrt(sum(c * c for c in w))
+    if angle == 0:
+        return x
+    k, a = [c / angle for c in w], math.radians(angle)
+    across = (k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0])
+    along = sum(p * q for p, q in zip(k, x))
+    return tuple(c * math.cos(a) + d * math.sin(a) + e * along * (1 - math.cos(a)) for c, d, e in zip(x, across, k))
+
+
+@check
+def a_knee_balances_on_its_ligaments(folder):
+    """A made knee, flexed: where dea build says that the bones come to, the tensions of Blankevoort's formula and the load on the tibia
+    add up to what the contacts of dea run bear, in all three components."""
+    for name, text in make_knee.files(apart=True).items():
+        folder.write(name, text)
+    done = folder.build("--bone", "femur=knee_femur.stl", "--cartilage", "femur=knee_femoral_cartilage.stl", "--bone", "tibia=knee_tibia.stl",
+                        "--cartilage", "tibia=knee_tibial_cartilage.stl", "--center", "femur=0,0,0", "--motion", "femur=knee_flexion.csv", "--motion-rotation", "zxy",
+                        "--motion-units", "deg-mm", "--ligaments", "knee_ligaments.csv", "--force", "tibia=0,0,700", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    made = json.loads(folder.read("j.json"))
+    true("flexion, about x, is held" in done.stderr, done.stderr)
+    same([b["free"] for b in made["bones"]], [[], ["x", "y", "z", "Rv", "Rw"]], "free")
+    bundles = list(csv.DictReader(io.StringIO(folder.read("knee_ligaments.csv"))))
+    rows = folder.run("--states", "2,3,4")
+    for i, load in enumerate(made["loads"]):
+        def place(bone, point):
+            b, at = made["bones"][bone], load["bones"][bone]
+            arm = turned(at["turn"], tuple(p - c for p, c in zip(point, b["center"])))
+            return tuple(c + d + a for c, d, a in zip(b["center"], at["displacement"], arm))
+
+        close(load["bones"][0]["turn"][0], (0, 15, 30)[i], 1e-9, "flexion")
+        pull = [0.0, 0.0, 700.0]
+        for bundle in bundles:
+            a, b = (tuple(float(bundle[f"{c}_{end}"]) for c in "xyz") for end in "ab")
+            slack = math.dist(a, b) / (1 + float(bundle["reference_strain"]))
+            now_a, now_b = place(0, a), place(1, b)
+            length = math.dist(now_a, now_b)
+            e, k = length / slack - 1, float(bundle["stiffness [N]"])
+            tension = 0 if e < 0 else k * e * e / 0.12 if e < 0.06 else k * (e - 0.03)
+            pull = [f + tension * (p - q) / length for f, p, q in zip(pull, now_a, now_b)]
+        contact = [sum(float(r[f"force_{c}"]) for r in rows if float(r["time"]) == load["time"]) for c in "xyz"]
+        # both searches end at a thousandth of the load
+        for c, f, g in zip("xyz", contact, pull):
+            close(f, g, 1, f"force along {c} at {load['time']}")
+
+
+@check
+def what_moves_nothing_or_twice_is_refused(folder):
+    folder.write("poses.csv", "tx,ty,tz,rx,ry,rz\n0,0,0.5,0,0,0\n")
+    folder.write("walk.csv", "fx,fy,fz\n0,0,500\n0,0,600\n")
+    turns = ("--motion-rotation", "vector", "--motion-units", "deg-mm")
+    for words, code, said in ((("--free", "ball=z"), 2, "no force is given"), (("--force", "ball=0,0,1", "--free", "ball=none"), 2, "--free ball: found a force"),
+                              (("--force", "ball=0,0,1", "--free", "ball=Rx"), 2, "x is the way along x, Ru the turn about it"),
+                              (("--force", "ball=0,0,1", "--free", "ball=x", "--free", "ball=y"), 2, "found a second one"),
+                              (("--force", "ball=0,0,1", "--free", "ball=z", "--hold", "ball=x"), 2, "--free or --motion for this bone too"),
+                              (("--motion", "ball=poses.csv", *turns, "--free", "ball=Rv"), 2, "which FEBio cannot say of one body"),
+                              (("--motion", "ball=poses.csv"), 2, "--motion-rotation"), (("--motion", "ball=poses.csv", "--motion-rotation", "xxy"), 2, "--motion-rotation xxy: found"),
+                              (("--motion", "ball=poses.csv", *turns, "--loads", "ball=walk.csv"), 2, "both tables with the same times"),
+                              (("--motion", "ball=poses.csv", *turns, "--force", "ball=0,0,1"), 2, "--motion ball: found a force"),
+                              (("--force", "ball=0,0,1", "--free", "socket=x"), 2, "a load for every bone")):
+        done = folder.build(*JOINT[:6], *words, "-q")
+        same(done.returncode, code, f"{words}: {done.stderr}")
+        true(said in done.stderr, f"{words}: {done.stderr}")
 
 
 @check

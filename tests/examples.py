@@ -18,6 +18,9 @@ import time
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(source / "samples/made_knee"))
+import make_knee  # noqa: E402
 COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "findings", "man", "completion")
 
 # Commands that are not run: what they hold, and why.
@@ -81,6 +84,10 @@ FILES = {
     "gait.csv": "samples/osteotomy/gait.csv",
     "osteotomy.db": "dea study hip_walking.feb --vary 'tilt: rotate pelvis=0,1,0,{0|10}' --states last -o osteotomy.db",
     **stl_shapes.SURFACES,
+    **make_knee.files(),
+    "made_knee.feb": "dea build --bone femur=knee_femur.stl --cartilage femur=knee_femoral_cartilage.stl --bone tibia=knee_tibia.stl "
+                     "--cartilage tibia=knee_tibial_cartilage.stl --ligaments knee_ligaments.csv --force tibia=0,0,700 -o made_knee.feb",
+    "femur_pose.txt": "1 0 0 0\n0 1 0 0\n0 0 1 0.05\n0 0 0 1\n",
     "landmarks.csv": stl_shapes.LANDMARKS,
     "hip_frames.xml": "dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --landmarks landmarks.csv "
                       "--force femur=432,-262,1834 --frames hip_frames.xml -o j.feb -q",
@@ -151,7 +158,7 @@ def outputs_of(command):
 
 def inputs_of(command):
     words = shlex.split(command.partition(">")[0].partition("&&")[0])
-    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db|stl)$", word)]
+    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db|stl|txt|tfm)$", word)]
     return sorted(set(found) - set(outputs_of(command)))
 
 
@@ -270,7 +277,7 @@ with concurrent.futures.ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
 if len(in_turn) < 5:
     faults.append(f"dea study --help: found {len(in_turn)} examples, expected more")
 faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed
-           and not ("build" in SKIPPED and (name.endswith(".stl") or name == "mri_thickness.csv"))]
+           and not ("build" in SKIPPED and (name.endswith(".stl") or name.startswith(("knee_", "made_knee")) or name in ("mri_thickness.csv", "femur_pose.txt")))]
 for command, why in skipped.items():
     print(f"skipped, {why}: {command}")
 print("\n".join(faults) or f"{len(to_run)} examples, each does what is said of it")

@@ -160,6 +160,9 @@ def run_all(folder):
         (folder / "loads.csv").write_text("fx,fy,fz\n0,0,500\n0,0,600\n")
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --loads femur=loads.csv --hold femur=x -q "
                     "-o a.feb --json rows.build.json")
+        (folder / "ligaments.csv").write_text("name,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness,slack_length\nteres,femur,0,0,18,pelvis,0,0,25,100,6\n")
+        run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,500 -q "
+                    "--ligaments ligaments.csv -o a.feb --json joined.build.json")
         (folder / "landmarks.csv").write_text(stl_shapes.LANDMARKS)
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,500 -q "
                     "--landmarks landmarks.csv -o a.feb --json framed.build.json")

@@ -511,10 +511,11 @@ void set_center(const BoneRequest& bone, int body, BuiltJoint& joint, BuildRepor
     if (l.body == body) all.append({l.bare ? l.articular : l.bone, l.triangles});
   const SurfaceMesh mesh = mesh_of(all);
   const SphereFit fit = fit_sphere(mesh);
+  b.ball = fit.rms < 0.05 * fit.radius && fit.radius < size_of(all);
   if (bone.center) {
     b.center = *bone.center;
     b.center_words = "as given";
-  } else if (fit.rms < 0.05 * fit.radius && fit.radius < size_of(all)) {
+  } else if (b.ball) {
     b.center = fit.center;
     b.center_words =
         fmt::format("of the sphere through its joint surface, radius {:.4g}, rms {:.2g}", fit.radius, fit.rms);
@@ -552,6 +553,7 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
   turn_open_bones(request, bones, report);
   refuse_overlap(request, bones);
   BuiltJoint joint;
+  joint.ligaments = request.ligaments;
   for (std::size_t b = 0; b < bones.size(); ++b) {
     const BoneRequest& bone = request.bones[b];
     BuiltBody body;

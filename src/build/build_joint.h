@@ -21,6 +21,8 @@ struct BoneRequest : BoneLoads {
   bool closed = true;
   std::optional<Eigen::Vector3d> center;  ///< in place of the one that is found
   std::string force_frame;  ///< along whose axes the force's numbers are (leave_frames); empty: the scans'
+  bool dofs_given = false;  ///< `held` and `moved` say how it moves; else choose_dofs does, within `hold`
+  DofFlags hold = {};       ///< held, whatever is chosen
 };
 
 struct CartilageRequest {
@@ -47,6 +49,7 @@ struct BuildRequest {
   Wording wording = plain_wording();  ///< how findings name options
   std::vector<BoneRequest> bones;
   std::vector<CartilageRequest> cartilages;  ///< one per bone at most
+  std::vector<BuiltLigament> ligaments;
   std::optional<double> reach;  ///< gaps between bones below it belong to a region; empty: 3 times the thickest layer
   double rim_length = 2.0;      ///< over which rims and thicknesses are smoothed
   std::optional<double> fade;   ///< width over which all layers thin out to their least (or a tenth) at the rim;

@@ -57,12 +57,26 @@ Json load_json(const BuildSummary& s, std::size_t i) {
     if (body.fixed) continue;
     j["bones"].push_back({{"name", body.name},
                           {"force", json_vector(force_of(body, i))},
-                          {"displacement", b.found ? json_vector(b.displacement[k]) : Json(nullptr)}});
+                          {"displacement", b.found ? json_vector(b.displacement[k]) : Json(nullptr)},
+                          {"turn", b.found ? json_vector(b.turn[k] * kDegreesPerRadian) : Json(nullptr)}});
   }
   j["contacts"] = list_json(b.contacts, [&](const BuildBalance::Contact& c) -> Json {
     return {{"name", c.name}, {"headline", b.found ? headline_json(c.headline) : Json(nullptr)}};
   });
   return j;
+}
+
+Json ligament_json(const BuiltJoint& joint, const BuiltLigament& l) {
+  const double length = length_of(l);
+  return {{"name", l.name},
+          {"from", joint.bodies[at(l.bone_a)].name},
+          {"to", joint.bodies[at(l.bone_b)].name},
+          {"stiffness", json_number(l.stiffness)},
+          {"toe_strain", json_number(l.toe_strain)},
+          {"length", json_number(length)},
+          {"slack_length", json_number(l.slack_length)},
+          {"strain", json_number(strain_of(l, length))},
+          {"force", json_number(force_of(l, length))}};
 }
 
 Json frame_json(const AnatomicalFrame& f) {
@@ -172,6 +186,12 @@ Json build_json(const BuildSummary& s) {
     one["held_directions"] = Json::array();
     for (std::size_t c = 0; c < 3; ++c)
       if (body.fixed || body.held[c]) one["held_directions"].push_back(std::string(1, "xyz"[c]));
+    one["free"] = Json::array();
+    one["moved"] = Json::array();
+    for (std::size_t k = 0; k < kDofs; ++k) {
+      if (body.free(k)) one["free"].push_back(kDofNames[k]);
+      if (!body.fixed && body.moved[k]) one["moved"].push_back(kDofNames[k]);
+    }
     j["bones"].push_back(one);
   }
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) j["layers"].push_back(layer_json(s, l));
@@ -196,6 +216,7 @@ Json build_json(const BuildSummary& s) {
   j["frames"] = list_json(s.anatomy.frames, frame_json);
   j["hip"] = s.anatomy.hip ? hip_json(*s.anatomy.hip) : Json(nullptr);
   j["warnings"] = build_warnings(s);
+  j["ligaments"] = list_json(s.joint.ligaments, [&](const BuiltLigament& l) { return ligament_json(s.joint, l); });
   return j;
 }
 

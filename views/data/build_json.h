@@ -20,6 +20,7 @@ struct BuildBalance {
   double time = 0.0;                          ///< of the model
   std::string words;                          ///< how the search ended
   std::vector<Eigen::Vector3d> displacement;  ///< per body
+  std::vector<Eigen::Vector3d> turn;          ///< per body: rotation vector [rad]
   std::vector<Contact> contacts;              ///< empty: nothing was solved
 };
 

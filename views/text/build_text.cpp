@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/base/numbers.h"
@@ -108,15 +109,46 @@ TitledTable contact_table(const BuildSummary& s) {
   return contacts;
 }
 
+/// Free to turn, or turned by a table.
+bool any_turns(const BuiltJoint& joint) {
+  return std::any_of(joint.bodies.begin(), joint.bodies.end(), [](const BuiltBody& b) {
+    return b.turns_freely() || (!b.fixed && (b.moved[3] || b.moved[4] || b.moved[5]));
+  });
+}
+
 TitledTable seat_table(const BuildSummary& s) {
   TitledTable seats{"Balance by dea [mm, N]", {{"time", "bone", "force", "moves by"}, "rlll", {}}};
+  const bool turns = any_turns(s.joint);
+  if (turns) {
+    seats.title = "Balance by dea [mm, N, degrees]";
+    seats.table.headings.push_back("turns by");
+    seats.table.left += 'l';
+  }
   for (std::size_t i = 0; i < s.balances.size(); ++i)
-    for (std::size_t b = 0; b < s.joint.bodies.size(); ++b)
-      if (!s.joint.bodies[b].fixed)
-        seats.table.rows.push_back({time_text(s.balances[i].time), s.joint.bodies[b].name,
-                                    vector_text(force_of(s.joint.bodies[b], i)),
-                                    s.balances[i].found ? vector_text(s.balances[i].displacement[b]) : "no balance"});
+    for (std::size_t b = 0; b < s.joint.bodies.size(); ++b) {
+      if (s.joint.bodies[b].fixed) continue;
+      const BuildBalance& balance = s.balances[i];
+      seats.table.rows.push_back({time_text(balance.time), s.joint.bodies[b].name,
+                                  vector_text(force_of(s.joint.bodies[b], i)),
+                                  balance.found ? vector_text(balance.displacement[b]) : "no balance"});
+      if (turns)
+        seats.table.rows.back().push_back(balance.found ? vector_text(balance.turn[b] * kDegreesPerRadian) : "");
+    }
   return seats;
+}
+
+TitledTable ligament_table(const BuildSummary& s) {
+  TitledTable ligaments{
+      "Ligaments as built [mm, N]",
+      {{"ligament", "from", "to", "stiffness", "length", "slack length", "strain", "force"}, "lllrrrrr", {}}};
+  for (const BuiltLigament& l : s.joint.ligaments) {
+    const double length = length_of(l);
+    ligaments.table.rows.push_back({l.name, s.joint.bodies[at(l.bone_a)].name, s.joint.bodies[at(l.bone_b)].name,
+                                    four_digits(l.stiffness), four_digits(length), four_digits(l.slack_length),
+                                    fmt::format("{:.2f} %", 100 * strain_of(l, length)),
+                                    four_digits(force_of(l, length))});
+  }
+  return ligaments;
 }
 
 TitledTable pressure_table(const BuildSummary& s) {
@@ -135,7 +167,9 @@ TitledTable pressure_table(const BuildSummary& s) {
 }  // namespace
 
 std::vector<TitledTable> build_tables(const BuildSummary& s) {
-  std::vector<TitledTable> tables = {layer_table(s), rim_table(s), contact_table(s), seat_table(s)};
+  std::vector<TitledTable> tables = {layer_table(s), rim_table(s), contact_table(s)};
+  if (!s.joint.ligaments.empty()) tables.push_back(ligament_table(s));
+  tables.push_back(seat_table(s));
   const TitledTable pressures = pressure_table(s);
   if (!pressures.table.rows.empty()) tables.push_back(pressures);
   for (TitledTable& table : anatomy_tables(s.anatomy)) tables.push_back(std::move(table));
