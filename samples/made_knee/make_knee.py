@@ -152,8 +152,8 @@ def plateau_cartilage(middle):
     return shell(rows, inner, outer)
 
 
-# Stiffness [N per strain] and strain with the knee straight: Blankevoort et al. (1991), J Biomech 24:1019-1031. Where they are fastened
-# is made up to fit these bones.
+# Stiffness [N per strain] and strain with the knee straight, as knee models take them from Blankevoort et al. (1991), J Biomech 24:1019-1031.
+# Where they are fastened is made up to fit these bones.
 LIGAMENTS = """name,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness [N],reference_strain
 ACL_anterior,femur,8,-3,4,tibia,-2,12,-25,5000,0.06
 ACL_posterior,femur,8,-8,3,tibia,1,6,-25,5000,0.1
