@@ -359,12 +359,14 @@ std::string way_words(const CartilageRequest& c) {
   return "";
 }
 
-void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
-  if (said.quality.inside_out > 0)
-    throw InputError(Fault{.found = say("{}: found {} prisms that stay inside out near {},", layer.name,
-                                        said.quality.inside_out, place_text(said.changes.where)),
-                           .expected = say("expected sound ones; other triangles ({}) or thinner cartilage may do",
-                                           NamedSetting{"edge"})});
+/// Columns that could not be made sound were left out. Where that is most of a layer, its surface is none.
+void refuse_lost(const BuiltLayer& layer, const LayerReport& said) {
+  if (said.changes.lost_part() > 0.5 || layer.triangles.empty())
+    throw InputError(Fault{
+        .found = say("{}: found no sound elements between its surface and the bone over {:.0f} % of its area, near {},",
+                     layer.name, 100 * said.changes.lost_part(), place_text(said.changes.where)),
+        .expected = say("expected a surface that lies over the bone without folds; other triangles may do ({})",
+                        NamedSetting{"edge"})});
 }
 
 /// All layers of one cartilage.
@@ -393,7 +395,13 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       const double least = request.least_thickness.value_or(0.1 * mean);
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
-      layer = layer_under_surface(surface, bone.caster, least, request.elements_through, said.changes, said.raised);
+      const std::vector<double> areas = point_areas(surface);
+      for (std::size_t v = 0; v < areas.size(); ++v)
+        if (beneath.thickness[v] < least) {
+          ++said.raised;
+          said.raised_area += areas[v];
+        }
+      layer = layer_under_surface(surface, beneath, bone.caster, least, request.elements_through, said.changes);
       if (said.fade > 0) fade_layer(layer, said.fade, least, request.elements_through, said.changes);
     } else {
       layer = layer_on_bone(surface, directions_at(bone, surface.points),
@@ -402,8 +410,8 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
     const std::string& name = request.bones[at(c.bone)].name;
     layer.name = name + "_cartilage" + (parts.size() > 1 ? fmt::format("_{}", p + 1) : "");
     layer.body = c.bone;
+    refuse_lost(layer, said);
     said.quality = sheet_quality(layer, request.elements_through);
-    refuse_inside_out(layer, said);
     joint.layers.push_back(std::move(layer));
     report.layers.push_back(said);
   }
@@ -450,8 +458,9 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
     report.findings.push_back(
         fmt::format("{}: {} of {} points thinned by up to {:.3g}, where it would overlap the other cartilage",
                     joint.layers[l].name, thinned[l].vertices, joint.layers[l].articular.size(), thinned[l].most));
+    make_sound(joint.layers[l], {request.elements_through, true, nullptr, {}}, report.layers[l].changes);
+    refuse_lost(joint.layers[l], report.layers[l]);
     report.layers[l].quality = sheet_quality(joint.layers[l], request.elements_through);
-    refuse_inside_out(joint.layers[l], report.layers[l]);
   }
 }
 
