@@ -458,7 +458,7 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
     report.findings.push_back(
         fmt::format("{}: {} of {} points thinned by up to {:.3g}, where it would overlap the other cartilage",
                     joint.layers[l].name, thinned[l].vertices, joint.layers[l].articular.size(), thinned[l].most));
-    make_sound(joint.layers[l], {request.elements_through, true, nullptr, {}}, report.layers[l].changes);
+    make_sound(joint.layers[l], {request.elements_through, true, nullptr, 0.0, {}}, report.layers[l].changes);
     refuse_lost(joint.layers[l], report.layers[l]);
     report.layers[l].quality = sheet_quality(joint.layers[l], request.elements_through);
   }

@@ -109,7 +109,7 @@ void fade_layer(BuiltLayer& layer, double fade, double least, int elements_throu
   for (std::size_t v = 0; v < was.size(); ++v)
     layer.articular[v] = layer.bone[v] + thickness[v] / was[v] * (layer.articular[v] - layer.bone[v]);
   changes.wanted = thickness;
-  make_sound(layer, {elements_through, true, nullptr, {}}, changes);
+  make_sound(layer, {elements_through, true, nullptr, 0.0, {}}, changes);
 }
 
 BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector3d>& directions,
@@ -119,7 +119,7 @@ BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector
   layer.bone = region.points;
   for (std::size_t v = 0; v < thickness.size(); ++v)
     layer.articular.push_back(region.points[v] + thickness[v] * directions[v]);
-  make_sound(layer, {elements_through, true, nullptr, {}}, changes);
+  make_sound(layer, {elements_through, true, nullptr, 0.0, {}}, changes);
   return layer;
 }
 
@@ -144,6 +144,7 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
 BuiltLayer layer_under_surface(const TriangleSurface& articular, const Beneath& beneath, const RayCaster& bone,
                                double least, int elements_through, SheetChanges& changes) {
   const std::vector<Vector3d> normals = point_normals(articular);
+  const std::vector<char> rim = rim_vertices(normals.size(), articular.triangles, edge_neighbours(articular.triangles));
   BuiltLayer layer;
   layer.triangles = articular.triangles;
   layer.articular = articular.points;
@@ -151,13 +152,14 @@ BuiltLayer layer_under_surface(const TriangleSurface& articular, const Beneath& 
     const double thickness = std::max(least, beneath.thickness[v]);
     layer.bone.push_back(articular.points[v] - thickness * normals[v]);
     changes.wanted.push_back(thickness);
-    changes.change.push_back(beneath.depth[v] > least ? least + beneath.depth[v] : 0.0);
+    changes.change.push_back(!rim[v] && beneath.depth[v] > least ? least : 0.0);
   }
   const auto recast = [&](const Vector3d& from, const Vector3d& direction, double length) {
-    const LineHit hit = bone.nearest_facing(from, direction, 0.0, 0.0, 2.0 * length, 0.3);
-    return hit.point.triangle >= 0 && hit.distance > 0.4 * length ? std::max(least, hit.distance) : kNaN;
+    const LineHit hit = bone.nearest_facing(from, direction, 0.0, 0.0, 4.0 * length, 0.2);
+    const bool there = hit.point.triangle >= 0 && hit.distance > 0 && bone.within(from, 0.35 * hit.distance).empty();
+    return there ? std::max(least, hit.distance) : kNaN;
   };
-  make_sound(layer, {elements_through, false, &bone, recast}, changes);
+  make_sound(layer, {elements_through, false, &bone, least, recast}, changes);
   return layer;
 }
 

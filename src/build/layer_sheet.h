@@ -46,9 +46,8 @@ struct Beneath {
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone);
 
 /// Cartilage between a segmented articular surface, whose points and triangles stay where columns are sound, and the
-/// bone beneath it (along the normals). Thickness below `least` is raised to it, into the bone. That is a change of
-/// thickness where the surface lies deeper in the bone than that: elsewhere the cartilage is as thin as the mesh can
-/// be.
+/// bone beneath it (along the normals). Thickness below `least` is raised to it, into the bone. At the rim and where
+/// the cartilage thins out that is no change; where the surface lies deeper in the bone than `least` it is one.
 BuiltLayer layer_under_surface(const TriangleSurface& articular, const Beneath& beneath, const RayCaster& bone,
                                double least, int elements_through, SheetChanges& changes);
 

@@ -298,31 +298,41 @@ struct Wanted {
   std::vector<double> length;
 };
 
-/// How far points lie above a surface (< 0: below), now less before.
-std::vector<double> risen(const RayCaster& surface, const std::vector<Vector3d>& now,
-                          const std::vector<Vector3d>& before, const std::vector<int>& was) {
+/// Heights above a surface, < 0: below it; of points that are where they were: 0.
+std::vector<double> heights_of_moved(const RayCaster& surface, const std::vector<Vector3d>& now,
+                                     const std::vector<Vector3d>& before, const std::vector<int>& was) {
   const std::vector<Vector3d> normals = angle_weighted_normals(surface.mesh());
-  std::vector<double> by(now.size(), 0.0);
+  std::vector<double> heights(now.size(), 0.0);
   parallel_for(now.size(), [&](std::size_t v) {
-    const Vector3d& x = before[at(was[v])];
-    if (now[v] != x) by[v] = signed_distance(surface, normals, now[v]) - signed_distance(surface, normals, x);
+    if (now[v] != before[at(was[v])]) heights[v] = signed_distance(surface, normals, now[v]);
   });
-  return by;
+  return heights;
 }
 
 /// The thickness changes by how far either side leaves the surface that it was to lie on. That does not depend on how a
 /// line through the layer is turned, nor on how rough the surfaces are.
 void add_changes(const Sheet& s, const Wanted& wanted, SheetChanges& changes) {
   const bool stays = s.options.bone_stays;
-  const RayCaster bone = !stays && s.options.bone ? *s.options.bone
-                                                  : RayCaster(mesh_of({wanted.layer.bone, wanted.layer.triangles})),
+  const RayCaster bone = s.options.bone != nullptr ? *s.options.bone
+                                                   : RayCaster(mesh_of({wanted.layer.bone, wanted.layer.triangles})),
                   face(mesh_of(wanted.layer.face()));
-  const std::vector<double> below = risen(bone, s.layer.bone, wanted.layer.bone, s.was),
-                            above = risen(face, s.layer.articular, wanted.layer.articular, s.was);
+  std::vector<double> below = heights_of_moved(bone, s.layer.bone, wanted.layer.bone, s.was);
+  const std::vector<double> above = heights_of_moved(face, s.layer.articular, wanted.layer.articular, s.was);
+  for (std::size_t v = 0; v < below.size(); ++v)  // raised to the least thickness: into the bone
+    if (s.length[v] <= (1 + 1e-6) * s.options.least) below[v] = std::max(0.0, below[v]);
   double most_turned = 0;
   for (std::size_t v = 0; v < s.was.size(); ++v) {
     const std::size_t w = at(s.was[v]);
     changes.change[v] += above[v] - below[v];
+    if (std::getenv("DBG") && std::abs(above[v] - below[v]) > 0.1) {  // DBG
+      const LineHit hit = bone.nearest_facing(s.layer.articular[v], s.direction[v], 0.0, 0.0, 100, 0.0);
+      std::fprintf(stderr,
+                   "w %.3f len %.3f change %.3f (above %.3f) rim %d closest %.3f hit %.3f turn %.1f facing %.2f\n",
+                   wanted.length[w], s.length[v], above[v] - below[v], above[v], s.rim[v],
+                   distance_to(bone, s.layer.articular[v]), hit.point.triangle >= 0 ? hit.distance : -1.0,
+                   57.3 * std::acos(std::min(1.0, s.direction[v].dot(wanted.direction[w]))),
+                   hit.point.triangle >= 0 ? -bone.mesh().normals[at(hit.point.triangle)].dot(s.direction[v]) : 0);
+    }
     const Vector3d &is = s.direction[v], &was = wanted.direction[w];
     const double turn = std::atan2(is.cross(was).norm(), is.dot(was));
     const double move = stays ? (s.layer.bone[v] - wanted.layer.bone[w]).norm()

@@ -49,6 +49,7 @@ struct SoundOptions {
   int elements_through = 2;
   bool bone_stays = true;           ///< the articular surface gives way; false: the bone side does
   const RayCaster* bone = nullptr;  ///< on which the bone side is to lie if it gives way; none: where it lay
+  double least = 0.0;               ///< thickness to which the layer was raised, into the bone
   /// Of the layer along a new direction from a point of the side that stays; `length`: as it was. NaN: keeps that.
   /// Empty: keeps it everywhere.
   std::function<double(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, double length)> recast;

@@ -231,12 +231,18 @@ std::string words_of(const Scan& s) {
 
 void append(TriangleSurface& s, const TriangleSurface& more) { s.append(more); }
 
+/// A load of 0.1 to 1 MPa over a third of the joint's surface: more than that crushes thin cartilage on rough bone.
+double bearable(double size, const Scan& scan, const Scan& other, Draw& draw) {
+  const double thin = std::min(1.0, std::min(scan.thickness, other.thickness) / 2);
+  return draw.in(0.1, 1.0) * thin * kPi * size * size / 3;
+}
+
 /// Two sides that rest on each other, the first below; gap: between their articular surfaces at the middle.
 void two_sides(SegmentedJoint& j, const std::string& lower, const Side& below, const std::string& upper,
-               const Side& above, const Scan& scan, const Scan& other, Draw& draw) {
+               const Side& above, const Scan& scan, const Scan& other, double size, Draw& draw) {
   add_bone(j, lower, bone_block(below, scan, draw.in(8, 20), draw), cartilage_shell(below, scan, draw));
   add_bone(j, upper, bone_block(above, other, draw.in(8, 20), draw), cartilage_shell(above, other, draw));
-  load(j, 1, -draw.in(50, 800));
+  load(j, 1, -bearable(size, scan, other, draw));
 }
 
 }  // namespace
@@ -260,10 +266,10 @@ SegmentedJoint segmented_joint(unsigned seed) {
         quadric(draw.in(9, 14), -draw.in(18, 25), 0, true, 1.2 * size, 1.0, draw.chance(0.5) ? draw.in(2, 6) : 0);
     const double sharp = draw.chance(0.5) ? draw.in(1, 5) : 0;
     two_sides(j, "femur", trochlea, "patella", quadric(draw.in(5, 8), -draw.in(35, 60), gap, false, size, 0.8, sharp),
-              scan, other, draw);
+              scan, other, size, draw);
   } else if (j.kind == "saddle") {
     two_sides(j, "trapezium", quadric(draw.in(14, 22), -draw.in(9, 14), 0, true, 0.8 * size, 1.1, 0), "metacarpal",
-              quadric(draw.in(8, 12), -draw.in(16, 30), gap, false, 0.7 * size, 1.1, 0), scan, other, draw);
+              quadric(draw.in(8, 12), -draw.in(16, 30), gap, false, 0.7 * size, 1.1, 0), scan, other, size, draw);
   } else if (j.kind == "shoulder") {
     const double r = draw.in(20, 26), shallow = r + scan.thickness + other.thickness + draw.in(1, 12);
     const Side glenoid = quadric(shallow, shallow, 0, true, draw.in(11, 15), 1.25, 0);
@@ -271,7 +277,7 @@ SegmentedJoint segmented_joint(unsigned seed) {
     const Side head = sphere_side(r, gap + r, polar, false, draw.in(0.94, 1.0));
     add_bone(j, "scapula", bone_block(glenoid, scan, 15, draw), cartilage_shell(glenoid, scan, draw));
     add_bone(j, "humerus", bone_block(head, other, 3 * r, draw), cartilage_shell(head, other, draw));
-    load(j, 1, -draw.in(100, 800));
+    load(j, 1, -bearable(size, scan, other, draw));
   } else if (j.kind == "ankle") {
     const double width = draw.in(0.8, 1.2);
     const Side plafond = quadric(-draw.in(24, 32), -draw.in(60, 90), gap, false, size, width, 0);
@@ -292,7 +298,7 @@ SegmentedJoint segmented_joint(unsigned seed) {
     add_bone(j, "talus", shell(d, above, &below), both);
     add_bone(j, "calcaneus", bone_block(heel, other, 20, draw), cartilage_shell(heel, other, draw));
     j.request.bones[1].fixed = false;
-    load(j, 2, draw.in(100, 900));
+    load(j, 2, bearable(size, scan, other, draw));
   } else {  // a knee: two dishes of the tibia under two condyles; "plateaus": the femur's cartilage is one shell
     const double apart = 1.45 * size;
     const auto dishes = [&](double x, double y) {
@@ -328,7 +334,7 @@ SegmentedJoint segmented_joint(unsigned seed) {
     femur_scan.edge = coarse.edge;
     add_bone(j, "tibia", bone_block(tibia, bone_scan, 30, draw), plateaus);
     add_bone(j, "femur", bone_block(femur, femur_scan, 40, draw), of_femur);
-    load(j, 1, -draw.in(200, 1500));
+    load(j, 1, -bearable(size, scan, other, draw));
   }
   j.words = fmt::format("{} | {}", words_of(scan), words_of(other));
   return j;
