@@ -25,10 +25,11 @@ constexpr double kLeastSound = 0.0173;
 constexpr double kGoodSound = 0.1;
 
 constexpr int kBatches = 14;          // of smoothing, each from one more ring of neighbours
-constexpr int kGoalBatches = 6;       // of them where all columns are sound
+constexpr int kGoalBatches = 12;       // of them where all columns are sound
 constexpr int kBatchesAgain = 4;      // after something else gave way
 constexpr int kSweeps = 5;            // in a batch
-constexpr int kRimRounds = 8;         // in which the rim gives way
+constexpr int kRimRounds = 4;         // in which the rim gives way
+constexpr double kMostRim = 0.03;     // of the area: more is not taken from the rim before the rest has been tried
 constexpr int kMoveRounds = 16;       // in which points are spread
 constexpr int kThinRounds = 12;       // in which the layer becomes thinner
 constexpr double kLeastPiece = 0.05;  // of the largest: smaller parts are left out
@@ -272,16 +273,35 @@ std::vector<char> not_sound(const Sheet& s, bool at_rim) {
   return out;
 }
 
+/// Columns whose triangle on the side that stays cannot be seen along the lines through the layer: no thickness helps.
+std::vector<char> folded(Sheet& s) {
+  const std::vector<Vector3d>& x = s.fixed();
+  const double up = s.options.bone_stays ? 1 : -1;  // directions lead away from the side that stays
+  std::vector<char> out(s.soundness.size(), 0);
+  for (std::size_t t = 0; t < out.size(); ++t) {
+    if (s.soundness[t] >= kLeastSound) continue;
+    const Triangle& k = s.layer.triangles[t];
+    const Vector3d n = (x[at(k[1])] - x[at(k[0])]).cross(x[at(k[2])] - x[at(k[0])]);
+    for (const int v : k) out[t] |= up * n.dot(s.direction[at(v)]) < kLeastSound * n.norm();
+  }
+  return out;
+}
+
 /// One thing after the other, the mildest first. Ends with sound columns alone, for the last step leaves the others
 /// out.
 void give_way(Sheet& s) {
+  const double area = area_of(s.layer.face());
   smooth(s, kBatches);
-  for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)); ++round) {
+  for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)) && s.area_lost < kMostRim * area; ++round) {
     leave_out(s, not_sound(s, true));
     smooth(s, kBatchesAgain);
   }
   for (int round = 0; round < kMoveRounds && any_of(not_sound(s, false)); ++round) {
     spread_points(s);
+    smooth(s, kBatchesAgain);
+  }
+  if (any_of(folded(s))) {
+    leave_out(s, folded(s));
     smooth(s, kBatchesAgain);
   }
   for (int round = 0; round < kThinRounds && any_of(not_sound(s, false)); ++round) {
@@ -309,8 +329,9 @@ std::vector<double> heights_of_moved(const RayCaster& surface, const std::vector
   return heights;
 }
 
-/// The thickness changes by how far either side leaves the surface that it was to lie on. That does not depend on how a
-/// line through the layer is turned, nor on how rough the surfaces are.
+/// The thickness changes by how far either side leaves the surface that it was to lie on, or by what the line through
+/// the layer is longer across it, if that is less. That does not depend on how the line is turned, nor on how rough the
+/// surfaces are.
 void add_changes(const Sheet& s, const Wanted& wanted, SheetChanges& changes) {
   const bool stays = s.options.bone_stays;
   const RayCaster bone = s.options.bone != nullptr ? *s.options.bone
@@ -318,25 +339,18 @@ void add_changes(const Sheet& s, const Wanted& wanted, SheetChanges& changes) {
                   face(mesh_of(wanted.layer.face()));
   std::vector<double> below = heights_of_moved(bone, s.layer.bone, wanted.layer.bone, s.was);
   const std::vector<double> above = heights_of_moved(face, s.layer.articular, wanted.layer.articular, s.was);
-  for (std::size_t v = 0; v < below.size(); ++v)  // raised to the least thickness: into the bone
-    if (s.length[v] <= (1 + 1e-6) * s.options.least) below[v] = std::max(0.0, below[v]);
   double most_turned = 0;
   for (std::size_t v = 0; v < s.was.size(); ++v) {
     const std::size_t w = at(s.was[v]);
-    changes.change[v] += above[v] - below[v];
-    if (std::getenv("DBG") && std::abs(above[v] - below[v]) > 0.1) {  // DBG
-      const LineHit hit = bone.nearest_facing(s.layer.articular[v], s.direction[v], 0.0, 0.0, 100, 0.0);
-      std::fprintf(stderr,
-                   "w %.3f len %.3f change %.3f (above %.3f) rim %d closest %.3f hit %.3f turn %.1f facing %.2f\n",
-                   wanted.length[w], s.length[v], above[v] - below[v], above[v], s.rim[v],
-                   distance_to(bone, s.layer.articular[v]), hit.point.triangle >= 0 ? hit.distance : -1.0,
-                   57.3 * std::acos(std::min(1.0, s.direction[v].dot(wanted.direction[w]))),
-                   hit.point.triangle >= 0 ? -bone.mesh().normals[at(hit.point.triangle)].dot(s.direction[v]) : 0);
-    }
     const Vector3d &is = s.direction[v], &was = wanted.direction[w];
     const double turn = std::atan2(is.cross(was).norm(), is.dot(was));
     const double move = stays ? (s.layer.bone[v] - wanted.layer.bone[w]).norm()
                               : (s.layer.articular[v] - wanted.layer.articular[w]).norm();
+    // raised to the least thickness: into the bone
+    if (s.length[v] <= (1 + 1e-6) * s.options.least) below[v] = std::max(0.0, below[v]);
+    // where there is no bone beneath, the length tells
+    const double change = above[v] - below[v], longer = s.length[v] * std::cos(turn) - wanted.length[w];
+    changes.change[v] += std::abs(longer) < std::abs(change) ? longer : change;
     changes.turned += turn > 1e-9;
     changes.moved += move > 0;
     changes.most_moved = std::max(changes.most_moved, move);

@@ -231,10 +231,10 @@ std::string words_of(const Scan& s) {
 
 void append(TriangleSurface& s, const TriangleSurface& more) { s.append(more); }
 
-/// A load of 0.1 to 1 MPa over a third of the joint's surface: more than that crushes thin cartilage on rough bone.
+/// A load of 0.4 to 1.5 MPa over a third of the joint's surface: more than that crushes thin cartilage on rough bone.
 double bearable(double size, const Scan& scan, const Scan& other, Draw& draw) {
   const double thin = std::min(1.0, std::min(scan.thickness, other.thickness) / 2);
-  return draw.in(0.1, 1.0) * thin * kPi * size * size / 3;
+  return draw.in(0.4, 1.5) * thin * kPi * size * size / 3;
 }
 
 /// Two sides that rest on each other, the first below; gap: between their articular surfaces at the middle.
@@ -301,11 +301,12 @@ SegmentedJoint segmented_joint(unsigned seed) {
     load(j, 2, bearable(size, scan, other, draw));
   } else {  // a knee: two dishes of the tibia under two condyles; "plateaus": the femur's cartilage is one shell
     const double apart = 1.45 * size;
-    const auto dishes = [&](double x, double y) {
-      return std::pow(std::abs(x) - apart / 1.0, 2) / (2 * 40) + y * y / (2 * 60) + 3 * std::exp(-x * x / 30);
+    const auto round_abs = [](double x) { return std::sqrt(x * x + 36); };  // a notch, no crease
+    const auto dishes = [=](double x, double y) {
+      return std::pow(round_abs(x) - apart, 2) / (2 * 40) + y * y / (2 * 60) + 3 * std::exp(-x * x / 30);
     };
-    const auto condyles = [&, ry = draw.in(22, 30)](double x, double y) {
-      return gap + std::pow(std::abs(x) - apart, 2) / (2 * 18) + y * y / (2 * ry) + 10 * std::exp(-x * x / 40);
+    const auto condyles = [=, ry = draw.in(22, 30)](double x, double y) {
+      return gap + std::pow(round_abs(x) - apart, 2) / (2 * 18) + y * y / (2 * ry) + 10 * std::exp(-x * x / 40);
     };
     const auto side = [](auto height, double cx, double rx, double ry, bool up) {
       Side s;
