@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -245,6 +246,41 @@ std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& 
   return thickness;
 }
 
+/// Patches of one kind that are below a twentieth of the largest of their closed surface become the other kind: on a
+/// rough surface single triangles look the other way than the side on which they lie. True: there were any.
+bool turn_specks(const TriangleSurface& s, const std::vector<std::array<int, 3>>& neighbours,
+                 const std::vector<int>& shell, std::vector<char>& outer, char kind) {
+  constexpr double kSpeck = 0.05;
+  DisjointSets joined(outer.size());
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    for (const int n : neighbours[t])
+      if (n >= 0 && outer[at(n)] == outer[t]) joined.join(static_cast<int>(t), n);
+  std::vector<double> area(outer.size(), 0.0), largest(outer.size(), 0.0);
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    area[at(joined.root(static_cast<int>(t)))] += area_vector(s, s.triangles[t]).norm();
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    if (outer[t] == kind) largest[at(shell[t])] = std::max(largest[at(shell[t])], area[t]);
+  bool any = false;
+  for (std::size_t t = 0; t < outer.size(); ++t) {
+    if (outer[t] != kind || area[at(joined.root(static_cast<int>(t)))] >= kSpeck * largest[at(shell[t])]) continue;
+    outer[t] = kind == 0;
+    any = true;
+  }
+  return any;
+}
+
+/// Where a side was not whole, its rim is ragged: triangles with two neighbours of the other kind join these.
+void smooth_rim(const std::vector<std::array<int, 3>>& neighbours, std::vector<char>& outer) {
+  for (int round = 0; round < 2; ++round) {
+    const std::vector<char> before = outer;
+    for (std::size_t t = 0; t < outer.size(); ++t) {
+      int others = 0;
+      for (const int n : neighbours[t]) others += n >= 0 && before[at(n)] != before[t];
+      if (others >= 2) outer[t] = !before[t];
+    }
+  }
+}
+
 /// The side of a segmented cartilage that looks away from its bone; an open sheet as a whole.
 TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& c, const Bone& bone,
                            BuildReport& report) {
@@ -274,6 +310,14 @@ TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& 
     return s;
   }
   for (std::size_t t = 0; t < outer.size(); ++t) outer[t] = facing[t] > 0.3;
+  const auto neighbours = edge_neighbours(s.triangles);
+  const std::vector<int> shell = connected_parts(s).part;
+  const bool islands = turn_specks(s, neighbours, shell, outer, 1), holes = turn_specks(s, neighbours, shell, outer, 0);
+  if (islands || holes) {
+    smooth_rim(neighbours, outer);
+    turn_specks(s, neighbours, shell, outer, 1);
+    turn_specks(s, neighbours, shell, outer, 0);
+  }
   s = mend_surface(part_of(s, outer)).surface;
   if (s.triangles.empty())
     throw InputError(
@@ -395,6 +439,7 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       const double least = request.least_thickness.value_or(0.1 * mean);
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
+      said.beside = static_cast<int>(std::count(beneath.beside.begin(), beneath.beside.end(), 1));
       const std::vector<double> areas = point_areas(surface);
       for (std::size_t v = 0; v < areas.size(); ++v)
         if (beneath.thickness[v] < least) {

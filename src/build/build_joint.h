@@ -68,6 +68,7 @@ struct LayerReport {
   int below_least = 0;       ///< vertices of half the gap that are thinner than the least thickness that was asked for
   int missed = 0;            ///< thickness to the closest point
   int under = 0;             ///< vertices inside the bone
+  int beside = 0;            ///< vertices with no bone beneath, for it is open and ends there: as thick as those around
   SheetChanges changes;
   SheetQuality quality;
   double fade = 0.0;  ///< width over which it thins out before its rim; 0: it ends there

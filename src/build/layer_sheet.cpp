@@ -129,15 +129,19 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
   const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
   Beneath beneath{facing_gaps(articular.points, inwards, bone, kInfinity), std::vector<char>(n, 0),
-                  std::vector<char>(n, 0), std::vector<double>(n, 0.0)};
+                  std::vector<char>(n, 0), std::vector<double>(n, 0.0), std::vector<char>(n, 0)};
   parallel_for(n, [&](std::size_t v) {
     if (std::isfinite(beneath.thickness[v])) return;
     const double distance = signed_distance(bone, at_vertices, articular.points[v]);
     beneath.missed[v] = 1;
+    beneath.beside[v] = on_open_edge(bone.mesh(), bone.closest(articular.points[v]));
+    if (beneath.beside[v]) return;
     beneath.under[v] = distance < 0;
     beneath.thickness[v] = std::max(0.0, distance);
     beneath.depth[v] = std::max(0.0, -distance);
   });
+  // nothing beneath, and no inside to lie in
+  fill_unknown(articular, beneath.thickness, 0.0);
   return beneath;
 }
 

@@ -42,6 +42,7 @@ struct Beneath {
   std::vector<char> missed;       ///< per point: the closest point's distance
   std::vector<char> under;        ///< per point: it lies inside the bone; thickness is 0 there
   std::vector<double> depth;      ///< per point that lies inside the bone: how deep; else 0
+  std::vector<char> beside;       ///< per point: beside an open bone; as thick as those around
 };
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone);
 

@@ -25,7 +25,7 @@ constexpr double kLeastSound = 0.0173;
 constexpr double kGoodSound = 0.1;
 
 constexpr int kBatches = 14;          // of smoothing, each from one more ring of neighbours
-constexpr int kGoalBatches = 12;       // of them where all columns are sound
+constexpr int kGoalBatches = 12;      // of them where all columns are sound
 constexpr int kBatchesAgain = 4;      // after something else gave way
 constexpr int kSweeps = 5;            // in a batch
 constexpr int kRimRounds = 4;         // in which the rim gives way
@@ -382,9 +382,10 @@ void sum_changes(const BuiltLayer& layer, SheetChanges& changes) {
   changes.mean_change /= all;
   for (std::size_t v = 0; v < areas.size(); ++v) {
     const double change = std::abs(changes.change[v]), part = change / std::max(changes.wanted[v], 0.5 * mean / all);
-    changes.thinned += part > 1e-6;
+    if (!(part > 1e-6)) continue;
+    ++changes.thinned;
     if (part > kMuchThinned) changes.changed_part += areas[v] / all;
-    if (part > changes.most_thinned && part > 1e-6) changes.where = layer.articular[v];
+    if (part > changes.most_thinned) changes.where = layer.articular[v];
     changes.most_thinned = std::max(changes.most_thinned, part);
     changes.most_change = std::max(changes.most_change, change);
   }

@@ -95,6 +95,7 @@ Told tell(unsigned seed, bool all) {
   auto middle = begin;
   double lost = 0, mean = 0, most = 0, part = 0;
   std::size_t triangles = 0;
+  int rims = 0;
   try {
     const BuiltJoint joint = build_joint(j.request, report);
     middle = clock();
@@ -104,6 +105,7 @@ Told tell(unsigned seed, bool all) {
       const LayerReport& r = report.layers[l];
       if (joint.layers[l].bare) continue;
       triangles += joint.layers[l].triangles.size();
+      rims = std::max(rims, r.rim.rims);
       told.least_scaled = std::min(told.least_scaled, r.quality.least_jacobian);
       lost = std::max(lost, r.changes.lost_part());
       mean = std::max(mean, r.changes.mean_change / r.quality.mean_thickness);
@@ -118,9 +120,10 @@ Told tell(unsigned seed, bool all) {
   const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
   if (all)
     fmt::print(
-        "{:3} {:12} {:6} triangles {:5.1f} s + {:5.1f} s  J {:8.4f} scaled {:7.4f}  lost {:5.2f} %  changed mean "
+        "{:3} {:12} {:6} triangles rims {} {:5.1f} s + {:5.1f} s  J {:8.4f} scaled {:7.4f}  lost {:5.2f} %  changed "
+        "mean "
         "{:5.2f} % most {:5.1f} % over {:5.2f} %  {}{}{}  {}\n",
-        seed, j.kind, triangles, seconds(begin, middle), seconds(middle, clock()), told.least, told.least_scaled,
+        seed, j.kind, triangles, rims, seconds(begin, middle), seconds(middle, clock()), told.least, told.least_scaled,
         100 * lost, 100 * mean, 100 * most, 100 * part, told.built ? "built" : "NOT BUILT",
         told.solved   ? " solved"
         : told.shares ? " shares"
