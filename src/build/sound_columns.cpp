@@ -20,6 +20,8 @@ using Triangle = std::array<int, 3>;
 
 /// A column below is not sound (89 degrees).
 constexpr double kLeastSound = 0.0173;
+/// What columns are to have where some were not sound (87 degrees): elements are to serve, not only to be valid.
+constexpr double kLeastMended = 0.05;
 /// What lines from bone to surface are smoothed for, where some column is not sound: 84 degrees, and the smaller of a
 /// column's triangles a tenth of the larger.
 constexpr double kGoodSound = 0.1;
@@ -182,7 +184,7 @@ void smooth_directions(Sheet& s, const std::vector<char>& which) {
 void smooth(Sheet& s, int batches) {
   judge(s);
   for (int batch = 0; batch < batches; ++batch) {
-    if (!any_below(s.goodness, kGoodSound) || (batch >= kGoalBatches && !any_below(s.soundness, kLeastSound))) return;
+    if (!any_below(s.goodness, kGoodSound) || (batch >= kGoalBatches && !any_below(s.soundness, kLeastMended))) return;
     smooth_directions(s, vertices_below(s, s.goodness, kGoodSound, 2 + batch));
     judge(s);
   }
@@ -191,7 +193,7 @@ void smooth(Sheet& s, int batches) {
 /// Points of the side that stays towards the middle of their neighbours, across the lines through the layer: what folds
 /// comes apart, and the surface's height stays.
 void spread_points(Sheet& s) {
-  const std::vector<char> which = vertices_below(s, s.soundness, kLeastSound, 1);
+  const std::vector<char> which = vertices_below(s, s.soundness, kLeastMended, 1);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const std::vector<Vector3d> before = s.fixed();
     for (std::size_t v = 0; v < which.size(); ++v) {
@@ -208,8 +210,8 @@ void spread_points(Sheet& s) {
 }
 
 void thin(Sheet& s) {
-  const std::vector<char> core = vertices_below(s, s.soundness, kLeastSound, 0),
-                          around = vertices_below(s, s.soundness, kLeastSound, 1);
+  const std::vector<char> core = vertices_below(s, s.soundness, kLeastMended, 0),
+                          around = vertices_below(s, s.soundness, kLeastMended, 1);
   for (std::size_t v = 0; v < core.size(); ++v) {
     if (!around[v]) continue;
     s.length[v] *= core[v] ? 0.8 : 0.9;
@@ -268,7 +270,7 @@ std::vector<char> not_sound(const Sheet& s, bool at_rim) {
   for (std::size_t t = 0; t < out.size(); ++t) {
     const Triangle& corners = s.layer.triangles[t];
     const bool on_rim = std::any_of(corners.begin(), corners.end(), [&](int v) { return s.rim[at(v)] != 0; });
-    out[t] = s.soundness[t] < kLeastSound && (on_rim || !at_rim);
+    out[t] = s.soundness[t] < kLeastMended && (on_rim || !at_rim);
   }
   return out;
 }
@@ -279,10 +281,10 @@ std::vector<char> folded(Sheet& s) {
   const double up = s.options.bone_stays ? 1 : -1;  // directions lead away from the side that stays
   std::vector<char> out(s.soundness.size(), 0);
   for (std::size_t t = 0; t < out.size(); ++t) {
-    if (s.soundness[t] >= kLeastSound) continue;
+    if (s.soundness[t] >= kLeastMended) continue;
     const Triangle& k = s.layer.triangles[t];
     const Vector3d n = (x[at(k[1])] - x[at(k[0])]).cross(x[at(k[2])] - x[at(k[0])]);
-    for (const int v : k) out[t] |= up * n.dot(s.direction[at(v)]) < kLeastSound * n.norm();
+    for (const int v : k) out[t] |= up * n.dot(s.direction[at(v)]) < kLeastMended * n.norm();
   }
   return out;
 }
