@@ -424,8 +424,9 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
     region = region_of(request, c, bones, reach);
   const std::vector<TriangleSurface> parts = parts_of(region.surface);
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const TriangleSurface surface = with_edge(request, parts[p]);
+    const TriangleSurface whole = with_edge(request, parts[p]), surface = without_slivers(whole);
     LayerReport said;
+    said.slivers = static_cast<int>(whole.triangles.size() - surface.triangles.size());
     said.way = way_words(c);
     said.fade = fade_of(c, request);
     said.holes_filled = region.holes_filled;

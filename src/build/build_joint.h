@@ -63,6 +63,7 @@ struct BuildRequest {
 struct LayerReport {
   std::string way;  ///< in words
   int holes_filled = 0, parts_left_out = 0;
+  int slivers = 0;           ///< triangles that were all but a line, merged with their neighbours
   int raised = 0;            ///< vertices with less than the least thickness
   double raised_area = 0.0;  ///< around them
   int below_least = 0;       ///< vertices of half the gap that are thinner than the least thickness that was asked for
