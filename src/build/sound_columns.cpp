@@ -32,7 +32,8 @@ constexpr int kBatchesAgain = 4;      // after something else gave way
 constexpr int kSweeps = 5;            // in a batch
 constexpr int kRimRounds = 4;         // in which the rim gives way
 constexpr double kMostRim = 0.03;     // of the area: more is not taken from the rim before the rest has been tried
-constexpr int kMoveRounds = 16;       // in which points are spread
+constexpr int kFirstMoveRounds = 4;   // in which points are spread before the rim gives way
+constexpr int kMoveRounds = 12;       // and after it
 constexpr int kThinRounds = 12;       // in which the layer becomes thinner
 constexpr double kLeastPiece = 0.05;  // of the largest: smaller parts are left out
 
@@ -293,15 +294,19 @@ std::vector<char> folded(Sheet& s) {
 /// out.
 void give_way(Sheet& s) {
   const double area = area_of(s.layer.face());
+  const auto spread = [&](int rounds) {
+    for (int round = 0; round < rounds && any_of(not_sound(s, false)); ++round) {
+      spread_points(s);
+      smooth(s, kBatchesAgain);
+    }
+  };
   smooth(s, kBatches);
+  spread(kFirstMoveRounds);
   for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)) && s.area_lost < kMostRim * area; ++round) {
     leave_out(s, not_sound(s, true));
     smooth(s, kBatchesAgain);
   }
-  for (int round = 0; round < kMoveRounds && any_of(not_sound(s, false)); ++round) {
-    spread_points(s);
-    smooth(s, kBatchesAgain);
-  }
+  spread(kMoveRounds);
   if (any_of(folded(s))) {
     leave_out(s, folded(s));
     smooth(s, kBatchesAgain);

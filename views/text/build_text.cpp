@@ -35,7 +35,7 @@ std::vector<std::string> changes_of(const LayerReport& r) {
   const auto add = [&](int count, const char* noun, const char* what) {
     if (count > 0) parts.push_back(fmt::format("{} {}{} {}", count, noun, count == 1 ? "" : "s", what));
   };
-  add(r.slivers, "triangle", "that was all but a line merged with its neighbours");
+  add(r.slivers, "sliver", "merged with what lies around");
   add(r.missed - r.under - r.beside, "point", "whose thickness is that to the nearest point of the bone");
   add(r.beside, "point", "beside the bone's open edge, as thick as those around");
   add(r.holes_filled, "hole", "filled");
