@@ -403,14 +403,15 @@ std::string way_words(const CartilageRequest& c) {
   return "";
 }
 
-/// Columns that could not be made sound were left out. Where that is most of a layer, its surface is none.
+/// Columns that could not be made sound were left out. Where that is much of a layer, its surface is none.
 void refuse_lost(const BuiltLayer& layer, const LayerReport& said) {
-  if (said.changes.lost_part() > 0.5 || layer.triangles.empty())
-    throw InputError(Fault{
-        .found = say("{}: found no sound elements between its surface and the bone over {:.0f} % of its area, near {},",
-                     layer.name, 100 * said.changes.lost_part(), place_text(said.changes.where)),
-        .expected = say("expected a surface that lies over the bone without folds; other triangles may do ({})",
-                        NamedSetting{"edge"})});
+  constexpr double kMostLost = 0.25;
+  if (said.changes.lost_part() > kMostLost || layer.triangles.empty())
+    throw InputError(
+        Fault{.found = say("{}: found no sound elements between its surface and the bone over {:.0f} % of its area,",
+                           layer.name, 100 * said.changes.lost_part()),
+              .expected = say("expected a surface that lies over the bone without folds; other triangles may do ({})",
+                              NamedSetting{"edge"})});
 }
 
 /// All layers of one cartilage.

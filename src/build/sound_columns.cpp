@@ -91,6 +91,8 @@ struct Sheet {
   std::vector<char> rim;
   std::vector<double> soundness, goodness;  ///< per triangle: cosine; the least of cosine and area
   double area_lost = 0.0;
+  std::vector<Vector3d> start;  ///< per vertex of the side that stays: where it was
+  std::vector<double> reach;    ///< per vertex: how far it may move from there
 
   std::vector<Vector3d>& fixed() { return options.bone_stays ? layer.bone : layer.articular; }
   std::vector<Vector3d>& moving() { return options.bone_stays ? layer.articular : layer.bone; }
@@ -203,11 +205,34 @@ void spread_points(Sheet& s) {
       for (const int n : s.neighbours[v]) middle += before[at(n)] / static_cast<double>(s.neighbours[v].size());
       Vector3d shift = 0.5 * (middle - before[v]);
       shift -= shift.dot(s.direction[v]) * s.direction[v];
-      s.fixed()[v] += shift;
+      const Vector3d moved = s.fixed()[v] + shift - s.start[v];
+      s.fixed()[v] = s.start[v] + std::min(1.0, s.reach[v] / std::max(1e-300, moved.norm())) * moved;
       place(s, v);
     }
   }
   look_around(s);
+}
+
+/// Points may move by half of what they are away from their neighbours: more than a fold of that size is no roughness.
+void limit_moves(Sheet& s) {
+  s.start = s.fixed();
+  s.reach.assign(s.start.size(), 0.0);
+  for (std::size_t v = 0; v < s.start.size(); ++v)
+    for (const int n : s.neighbours[v])
+      s.reach[v] += 0.5 * (s.start[at(n)] - s.start[v]).norm() / static_cast<double>(s.neighbours[v].size());
+}
+
+/// Where spreading did not help, points go back.
+void take_back_moves(Sheet& s) {
+  const std::vector<char> which = vertices_below(s, s.soundness, kLeastMended, 3);
+  for (std::size_t v = 0; v < which.size(); ++v) {
+    if (!which[v]) continue;
+    s.fixed()[v] = s.start[v];
+    place(s, v);
+  }
+  look_around(s);
+  smooth_directions(s, which);
+  judge(s);
 }
 
 void thin(Sheet& s) {
@@ -258,6 +283,8 @@ void leave_out(Sheet& s, const std::vector<char>& out) {
   keep(s.direction, from);
   keep(s.length, from);
   keep(s.was, from);
+  keep(s.start, from);
+  keep(s.reach, from);
   s.area_lost += area - area_of(s.layer.face());
   look_around(s);
   judge(s);
@@ -300,8 +327,10 @@ void give_way(Sheet& s) {
       smooth(s, kBatchesAgain);
     }
   };
+  limit_moves(s);
   smooth(s, kBatches);
   spread(kFirstMoveRounds);
+  if (any_of(not_sound(s, true))) take_back_moves(s);
   for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)) && s.area_lost < kMostRim * area; ++round) {
     leave_out(s, not_sound(s, true));
     smooth(s, kBatchesAgain);
@@ -369,7 +398,9 @@ void add_changes(const Sheet& s, const Wanted& wanted, SheetChanges& changes) {
 
 }  // namespace
 
-bool much_changed(const SheetChanges& changes) { return changes.changed_part > kMuchArea; }
+bool much_changed(const SheetChanges& changes) {
+  return changes.changed_part > kMuchArea || changes.lost_part() > kMuchArea;
+}
 
 double column_soundness(const BuiltLayer& layer, const Triangle& triangle, int elements_through) {
   return column_of(layer, triangle, elements_through).cosine;
@@ -399,7 +430,7 @@ void sum_changes(const BuiltLayer& layer, SheetChanges& changes) {
 }
 
 void make_sound(BuiltLayer& layer, const SoundOptions& options, SheetChanges& changes) {
-  Sheet s{layer, options, {}, {}, {}, {}, {}, {}, {}, {}, 0.0};
+  Sheet s{layer, options, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, {}, {}};
   Wanted wanted{layer, {}, {}};
   for (std::size_t v = 0; v < layer.bone.size(); ++v) {
     const Vector3d line = s.moving()[v] - s.fixed()[v];

@@ -37,7 +37,7 @@ struct SheetChanges {
 };
 
 /// A change of thickness that a reader is to know of, as a part of the thickness, and the part of a layer's area over
-/// which it matters.
+/// which it matters, or that was left out.
 inline constexpr double kMuchThinned = 0.1, kMuchArea = 0.01;
 bool much_changed(const SheetChanges& changes);
 

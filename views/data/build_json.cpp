@@ -156,11 +156,19 @@ std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildRep
   for (std::size_t l = 0; l < joint.layers.size(); ++l) {
     const SheetChanges& c = report.layers[l].changes;
     if (!much_changed(c)) continue;
-    lines.push_back(fmt::format(
-        "{}: found a thickness that had to change by more than a tenth over {:.2g} % of its area, {:.2g} mm ({:.2g} %) "
-        "at most, at {}, for the surface folds or lies inside the bone there; the map \"Change\" of the page shows "
-        "where (--report); a smoother surface or other triangles (--edge) may do",
-        joint.layers[l].name, 100 * c.changed_part, c.most_change, 100 * c.most_thinned, vector_text(c.where)));
+    std::string found;
+    if (c.changed_part > kMuchArea)
+      found = fmt::format(
+          "a thickness that had to change by more than a tenth over {:.2g} % of its area, {:.2g} mm "
+          "({:.2g} %) at most, at {}",
+          100 * c.changed_part, c.most_change, 100 * c.most_thinned, vector_text(c.where));
+    if (c.lost_part() > kMuchArea)
+      found += fmt::format("{}{:.2g} % of its area that had to be left out", found.empty() ? "" : ", and ",
+                           100 * c.lost_part());
+    lines.push_back(
+        fmt::format("{}: found {}; the surface folds or lies inside the bone there: look at the map "
+                    "\"Change\" of the page (--report); a smoother surface or other triangles (--edge) may do",
+                    joint.layers[l].name, found));
   }
   return lines;
 }
