@@ -34,6 +34,7 @@ constexpr int kRimRounds = 4;         // in which the rim gives way
 constexpr double kMostRim = 0.03;     // of the area: more is not taken from the rim before the rest has been tried
 constexpr int kFirstMoveRounds = 4;   // in which points are spread before the rim gives way
 constexpr int kMoveRounds = 12;       // and after it
+constexpr int kFoldRounds = 4;        // in which columns are left out that cannot be seen along their lines
 constexpr int kThinRounds = 12;       // in which the layer becomes thinner
 constexpr double kLeastPiece = 0.05;  // of the largest: smaller parts are left out
 
@@ -92,7 +93,9 @@ struct Sheet {
   std::vector<double> soundness, goodness;  ///< per triangle: cosine; the least of cosine and area
   double area_lost = 0.0;
   std::vector<Vector3d> start;  ///< per vertex of the side that stays: where it was
-  std::vector<double> reach;    ///< per vertex: how far it may move from there
+  std::vector<Vector3d> first_direction;
+  std::vector<double> first_length;
+  std::vector<double> reach;  ///< per vertex: how far it may move from there
 
   std::vector<Vector3d>& fixed() { return options.bone_stays ? layer.bone : layer.articular; }
   std::vector<Vector3d>& moving() { return options.bone_stays ? layer.articular : layer.bone; }
@@ -284,6 +287,8 @@ void leave_out(Sheet& s, const std::vector<char>& out) {
   keep(s.length, from);
   keep(s.was, from);
   keep(s.start, from);
+  keep(s.first_direction, from);
+  keep(s.first_length, from);
   keep(s.reach, from);
   s.area_lost += area - area_of(s.layer.face());
   look_around(s);
@@ -317,29 +322,42 @@ std::vector<char> folded(Sheet& s) {
   return out;
 }
 
+/// What was smoothed around columns that are now left out is as it was wanted.
+void start_again(Sheet& s) {
+  s.fixed() = s.start;
+  s.direction = s.first_direction;
+  s.length = s.first_length;
+  for (std::size_t v = 0; v < s.start.size(); ++v) place(s, v);
+  look_around(s);
+}
+
+void spread(Sheet& s, int rounds) {
+  for (int round = 0; round < rounds && any_of(not_sound(s, false)); ++round) {
+    spread_points(s);
+    smooth(s, kBatchesAgain);
+  }
+}
+
 /// One thing after the other, the mildest first. Ends with sound columns alone, for the last step leaves the others
 /// out.
 void give_way(Sheet& s) {
   const double area = area_of(s.layer.face());
-  const auto spread = [&](int rounds) {
-    for (int round = 0; round < rounds && any_of(not_sound(s, false)); ++round) {
-      spread_points(s);
+  limit_moves(s);
+  for (int fold = 0; fold < kFoldRounds; ++fold) {
+    smooth(s, kBatches);
+    spread(s, kFirstMoveRounds);
+    if (any_of(not_sound(s, true))) take_back_moves(s);
+    for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)) && s.area_lost < kMostRim * area; ++round) {
+      leave_out(s, not_sound(s, true));
       smooth(s, kBatchesAgain);
     }
-  };
-  limit_moves(s);
-  smooth(s, kBatches);
-  spread(kFirstMoveRounds);
-  if (any_of(not_sound(s, true))) take_back_moves(s);
-  for (int round = 0; round < kRimRounds && any_of(not_sound(s, true)) && s.area_lost < kMostRim * area; ++round) {
-    leave_out(s, not_sound(s, true));
-    smooth(s, kBatchesAgain);
+    spread(s, kMoveRounds);
+    const std::vector<char> out = folded(s);
+    if (!any_of(out)) break;
+    leave_out(s, out);
+    if (fold + 1 < kFoldRounds) start_again(s);
   }
-  spread(kMoveRounds);
-  if (any_of(folded(s))) {
-    leave_out(s, folded(s));
-    smooth(s, kBatchesAgain);
-  }
+  judge(s);
   for (int round = 0; round < kThinRounds && any_of(not_sound(s, false)); ++round) {
     thin(s);
     judge(s);
@@ -430,7 +448,7 @@ void sum_changes(const BuiltLayer& layer, SheetChanges& changes) {
 }
 
 void make_sound(BuiltLayer& layer, const SoundOptions& options, SheetChanges& changes) {
-  Sheet s{layer, options, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, {}, {}};
+  Sheet s{layer, options, {}, {}, {}, {}, {}, {}, {}, {}, 0.0, {}, {}, {}, {}};
   Wanted wanted{layer, {}, {}};
   for (std::size_t v = 0; v < layer.bone.size(); ++v) {
     const Vector3d line = s.moving()[v] - s.fixed()[v];
@@ -443,8 +461,8 @@ void make_sound(BuiltLayer& layer, const SoundOptions& options, SheetChanges& ch
     changes.wanted = wanted.length;
     changes.change.assign(wanted.length.size(), 0.0);
   }
-  s.direction = wanted.direction;
-  s.length = wanted.length;
+  s.direction = s.first_direction = wanted.direction;
+  s.length = s.first_length = wanted.length;
   judge(s);
   if (any_below(s.soundness, kLeastSound)) {
     look_around(s);
