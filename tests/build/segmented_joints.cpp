@@ -301,12 +301,12 @@ SegmentedJoint segmented_joint(unsigned seed) {
     load(j, 2, bearable(size, scan, other, draw));
   } else {  // a knee: two dishes of the tibia under two condyles; "plateaus": the femur's cartilage is one shell
     const double apart = 1.45 * size;
-    const auto round_abs = [](double x) { return std::sqrt(x * x + 36); };  // a notch, no crease
+    const auto round_abs = [](double x) { return std::sqrt(x * x + 64); };  // a notch, no crease
     const auto dishes = [=](double x, double y) {
       return std::pow(round_abs(x) - apart, 2) / (2 * 40) + y * y / (2 * 60) + 3 * std::exp(-x * x / 30);
     };
     const auto condyles = [=, ry = draw.in(22, 30)](double x, double y) {
-      return gap + std::pow(round_abs(x) - apart, 2) / (2 * 18) + y * y / (2 * ry) + 10 * std::exp(-x * x / 40);
+      return gap + std::pow(round_abs(x) - apart, 2) / (2 * 18) + y * y / (2 * ry) + 4 * std::exp(-x * x / 90);
     };
     const auto side = [](auto height, double cx, double rx, double ry, bool up) {
       Side s;
@@ -337,7 +337,11 @@ SegmentedJoint segmented_joint(unsigned seed) {
     add_bone(j, "femur", bone_block(femur, femur_scan, 40, draw), of_femur);
     load(j, 1, -bearable(size, scan, other, draw));
   }
-  j.words = fmt::format("{} | {}", words_of(scan), words_of(other));
+  if (draw.chance(0.2)) j.request.fade = draw.in(1, 4);
+  if (draw.chance(0.2)) j.request.elements_through = 1 + draw.below(4);
+  j.words = fmt::format("{} | {}{}{}", words_of(scan), words_of(other),
+                        j.request.fade ? fmt::format(" | fade {:.2g}", *j.request.fade) : "",
+                        j.request.elements_through != 2 ? fmt::format(" | layers {}", j.request.elements_through) : "");
   return j;
 }
 

@@ -72,10 +72,12 @@ struct Told {
   std::string words;
 };
 
-void solve(const BuiltJoint& joint, Told& told) {
+void solve(const BuiltJoint& joint, int through, Told& told) {
   const TemporaryFolder folder;
   const std::string path = (folder.path / "joint.feb").string();
-  std::ofstream(path) << joint_feb(joint, {});
+  BuiltModelSettings model;
+  model.elements_through = through;
+  std::ofstream(path) << joint_feb(joint, model);
   JointModel read = read_feb(path);
   AnalysisOptions options;
   options.times = {model_times(read).back()};
@@ -113,7 +115,7 @@ Told tell(unsigned seed, bool all) {
       part = std::max(part, r.changes.changed_part);
     }
     told.built = told.least > 0;
-    solve(joint, told);
+    solve(joint, j.request.elements_through, told);
   } catch (const InputError& e) {
     told.words = e.what();
   }
