@@ -60,13 +60,17 @@ Disc disc(int rings, double jitter, Draw& draw) {
   return d;
 }
 
-/// A closed surface: a disc above, the same below, joined at the rim. Below is null: an open sheet.
-TriangleSurface shell(const Disc& d, const std::vector<Vector3d>& above, const std::vector<Vector3d>* below) {
+enum class Shell { Closed, Open, OpenWithWall };
+
+/// A disc above, the same below, joined at the rim; without the disc below, or without the wall at the rim too.
+TriangleSurface shell(const Disc& d, const std::vector<Vector3d>& above, const std::vector<Vector3d>& below,
+                      Shell kind = Shell::Closed) {
   TriangleSurface s{above, d.triangles};
-  if (below == nullptr) return s;
+  if (kind == Shell::Open) return s;
   const int first = static_cast<int>(above.size()), n = static_cast<int>(d.rim.size());
-  s.points.insert(s.points.end(), below->begin(), below->end());
-  for (const auto& t : d.triangles) s.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  s.points.insert(s.points.end(), below.begin(), below.end());
+  if (kind == Shell::Closed)
+    for (const auto& t : d.triangles) s.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
   for (int i = 0; i < n; ++i) {
     const int a = d.rim[at(i)], b = d.rim[at((i + 1) % n)];
     s.triangles.push_back({a, b + first, b});
@@ -97,8 +101,8 @@ struct Scan {
   double rim_angle = 45;  ///< of the cartilage [degrees]; 0: thins out to nothing, level
   double poke = 0;        ///< how deep the articular surface lies in the bone at a place [mm]
   double float_gap = 0;   ///< between the cartilage's far side and the bone [mm], < 0: in it
-  bool open = false;      ///< an open sheet
-  double thickness = 2;   ///< of the cartilage [mm]
+  Shell kind = Shell::Closed;
+  double thickness = 2;  ///< of the cartilage [mm]
 };
 
 Vector3d noisy(const Vector3d& x, const Vector3d& normal, const Scan& scan, Draw& draw) {
@@ -136,7 +140,7 @@ TriangleSurface cartilage_shell(const Side& side, const Scan& scan, Draw& draw) 
     const bool edge = p.rim() < 1e-9 && t <= 0 && scan.poke == 0;
     below.push_back(edge ? above.back() : noisy(x + std::min(scan.float_gap, 0.6 * t) * n, n, scan, draw));
   }
-  TriangleSurface s = shell(d, above, scan.open ? nullptr : &below);
+  TriangleSurface s = shell(d, above, below, scan.kind);
   return side.up ? s : [&] {
     for (auto& t : s.triangles) std::swap(t[1], t[2]);
     return s;
@@ -153,7 +157,7 @@ TriangleSurface bone_block(const Side& side, const Scan& scan, double depth, Dra
     above.push_back(noisy(x, side.normal(beyond * p.x, beyond * p.y), scan, draw));
     below.push_back(x + Vector3d(0, 0, side.up ? -depth : depth));
   }
-  TriangleSurface s = shell(d, above, &below);
+  TriangleSurface s = shell(d, above, below);
   if (!side.up)
     for (auto& t : s.triangles) std::swap(t[1], t[2]);
   return s;
@@ -218,7 +222,7 @@ Scan draw_scan(double size, Draw& draw) {
   s.steps = draw.chance(0.3);
   if (draw.chance(0.25)) s.poke = draw.in(0.05, 0.4);
   if (draw.chance(0.4)) s.float_gap = draw.in(-0.3, 0.4);
-  s.open = draw.chance(0.2);
+  if (draw.chance(0.2)) s.kind = s.edge < 1 ? Shell::OpenWithWall : Shell::Open;
   return s;
 }
 
@@ -226,7 +230,10 @@ std::string words_of(const Scan& s) {
   return fmt::format("edge {:.2g} thick {:.2g} rim {:.0f}{}{}{}{}", s.edge, s.thickness, s.rim_angle,
                      s.noise > 0 ? fmt::format(" {} {:.2g}", s.steps ? "steps" : "noise", s.noise) : "",
                      s.poke > 0 ? fmt::format(" pokes {:.2g}", s.poke) : "",
-                     s.float_gap != 0 ? fmt::format(" floats {:.2g}", s.float_gap) : "", s.open ? " open" : "");
+                     s.float_gap != 0 ? fmt::format(" floats {:.2g}", s.float_gap) : "",
+                     s.kind == Shell::Closed ? ""
+                     : s.kind == Shell::Open ? " open"
+                                             : " open, with a wall");
 }
 
 void append(TriangleSurface& s, const TriangleSurface& more) { s.append(more); }
@@ -295,7 +302,7 @@ SegmentedJoint segmented_joint(unsigned seed) {
     TriangleSurface both = cartilage_shell(dome, scan, draw);
     append(both, cartilage_shell(lower, scan, draw));
     add_bone(j, "tibia", bone_block(plafond, other, 20, draw), cartilage_shell(plafond, other, draw));
-    add_bone(j, "talus", shell(d, above, &below), both);
+    add_bone(j, "talus", shell(d, above, below), both);
     add_bone(j, "calcaneus", bone_block(heel, other, 20, draw), cartilage_shell(heel, other, draw));
     j.request.bones[1].fixed = false;
     load(j, 2, bearable(size, scan, other, draw));
