@@ -38,7 +38,8 @@ constexpr int kFoldRounds = 4;        // in which columns are left out that cann
 constexpr int kThinRounds = 12;       // in which the layer becomes thinner
 constexpr double kLeastPiece = 0.05;  // of the largest: smaller parts are left out
 
-/// A line of neighbours with weights that keep what is linear in a plane (mean value coordinates).
+/// Of a vertex. Means with these weights keep what is linear in a plane (mean value coordinates), however uneven the
+/// triangles are.
 struct Neighbour {
   int vertex;
   double weight;

@@ -43,8 +43,8 @@ std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildRepo
 std::string modulus_question(const BuiltModelSettings& model);
 /// Layers whose thickness had to change by much over a part of their area that matters, a line each.
 std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report);
-/// What was measured against the axes or the side, layers that changed, a modulus that no cartilage has, loads that no joint bears, loads
-/// without a balance; a line each.
+/// What was measured against the axes or the side, layers that changed, a modulus that no cartilage has, loads that no
+/// joint bears, loads without a balance; a line each.
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.
