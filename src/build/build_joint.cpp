@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/disjoint_sets.h"
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -245,6 +246,41 @@ std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& 
   return thickness;
 }
 
+/// Patches of one kind that are below a twentieth of the largest of their closed surface become the other kind: on a
+/// rough surface single triangles look the other way than the side on which they lie. True: there were any.
+bool turn_specks(const TriangleSurface& s, const std::vector<std::array<int, 3>>& neighbours,
+                 const std::vector<int>& shell, std::vector<char>& outer, char kind) {
+  constexpr double kSpeck = 0.05;
+  DisjointSets joined(outer.size());
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    for (const int n : neighbours[t])
+      if (n >= 0 && outer[at(n)] == outer[t]) joined.join(static_cast<int>(t), n);
+  std::vector<double> area(outer.size(), 0.0), largest(outer.size(), 0.0);
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    area[at(joined.root(static_cast<int>(t)))] += area_vector(s, s.triangles[t]).norm();
+  for (std::size_t t = 0; t < outer.size(); ++t)
+    if (outer[t] == kind) largest[at(shell[t])] = std::max(largest[at(shell[t])], area[t]);
+  bool any = false;
+  for (std::size_t t = 0; t < outer.size(); ++t) {
+    if (outer[t] != kind || area[at(joined.root(static_cast<int>(t)))] >= kSpeck * largest[at(shell[t])]) continue;
+    outer[t] = kind == 0;
+    any = true;
+  }
+  return any;
+}
+
+/// Where a side was not whole, its rim is ragged: triangles with two neighbours of the other kind join these.
+void smooth_rim(const std::vector<std::array<int, 3>>& neighbours, std::vector<char>& outer) {
+  for (int round = 0; round < 2; ++round) {
+    const std::vector<char> before = outer;
+    for (std::size_t t = 0; t < outer.size(); ++t) {
+      int others = 0;
+      for (const int n : neighbours[t]) others += n >= 0 && before[at(n)] != before[t];
+      if (others >= 2) outer[t] = !before[t];
+    }
+  }
+}
+
 /// The side of a segmented cartilage that looks away from its bone; an open sheet as a whole.
 TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& c, const Bone& bone,
                            BuildReport& report) {
@@ -274,6 +310,14 @@ TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& 
     return s;
   }
   for (std::size_t t = 0; t < outer.size(); ++t) outer[t] = facing[t] > 0.3;
+  const auto neighbours = edge_neighbours(s.triangles);
+  const std::vector<int> shell = connected_parts(s).part;
+  const bool islands = turn_specks(s, neighbours, shell, outer, 1), holes = turn_specks(s, neighbours, shell, outer, 0);
+  if (islands || holes) {
+    smooth_rim(neighbours, outer);
+    turn_specks(s, neighbours, shell, outer, 1);
+    turn_specks(s, neighbours, shell, outer, 0);
+  }
   s = mend_surface(part_of(s, outer)).surface;
   if (s.triangles.empty())
     throw InputError(
@@ -360,12 +404,15 @@ std::string way_words(const CartilageRequest& c) {
   return "";
 }
 
-void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
-  if (said.quality.inside_out > 0)
-    throw InputError(Fault{.found = say("{}: found {} prisms that stay inside out near {},", layer.name,
-                                        said.quality.inside_out, place_text(said.changes.where)),
-                           .expected = say("expected sound ones; other triangles ({}) or thinner cartilage may do",
-                                           NamedSetting{"edge"})});
+/// Columns that could not be made sound were left out. Where that is much of a layer, its surface is none.
+void refuse_lost(const BuiltLayer& layer, const LayerReport& said) {
+  constexpr double kMostLost = 0.25;
+  if (said.changes.lost_part() > kMostLost || layer.triangles.empty())
+    throw InputError(
+        Fault{.found = say("{}: found no sound elements between its surface and the bone over {:.0f} % of its area,",
+                           layer.name, 100 * said.changes.lost_part()),
+              .expected = say("expected a surface that lies over the bone without folds; other triangles may do ({})",
+                              NamedSetting{"edge"})});
 }
 
 /// All layers of one cartilage.
@@ -379,8 +426,9 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
     region = region_of(request, c, bones, reach);
   const std::vector<TriangleSurface> parts = parts_of(region.surface);
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const TriangleSurface surface = with_edge(request, parts[p]);
+    const TriangleSurface whole = with_edge(request, parts[p]), surface = without_slivers(whole);
     LayerReport said;
+    said.slivers = static_cast<int>(whole.triangles.size() - surface.triangles.size());
     said.way = way_words(c);
     said.fade = fade_of(c, request);
     said.holes_filled = region.holes_filled;
@@ -394,7 +442,14 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       const double least = request.least_thickness.value_or(0.1 * mean);
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
-      layer = layer_under_surface(surface, bone.caster, least, request.elements_through, said.changes, said.raised);
+      said.beside = static_cast<int>(std::count(beneath.beside.begin(), beneath.beside.end(), 1));
+      const std::vector<double> areas = point_areas(surface);
+      for (std::size_t v = 0; v < areas.size(); ++v)
+        if (beneath.thickness[v] < least) {
+          ++said.raised;
+          said.raised_area += areas[v];
+        }
+      layer = layer_under_surface(surface, beneath, bone.caster, least, request.elements_through, said.changes);
       if (said.fade > 0) fade_layer(layer, said.fade, least, request.elements_through, said.changes);
     } else {
       layer = layer_on_bone(surface, directions_at(bone, surface.points),
@@ -403,8 +458,8 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
     const std::string& name = request.bones[at(c.bone)].name;
     layer.name = name + "_cartilage" + (parts.size() > 1 ? fmt::format("_{}", p + 1) : "");
     layer.body = c.bone;
+    refuse_lost(layer, said);
     said.quality = sheet_quality(layer, request.elements_through);
-    refuse_inside_out(layer, said);
     joint.layers.push_back(std::move(layer));
     report.layers.push_back(said);
   }
@@ -451,8 +506,9 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
     report.findings.push_back(
         fmt::format("{}: {} of {} points thinned by up to {:.3g}, where it would overlap the other cartilage",
                     joint.layers[l].name, thinned[l].vertices, joint.layers[l].articular.size(), thinned[l].most));
+    make_sound(joint.layers[l], {request.elements_through, true, nullptr, 0.0, {}}, report.layers[l].changes);
+    refuse_lost(joint.layers[l], report.layers[l]);
     report.layers[l].quality = sheet_quality(joint.layers[l], request.elements_through);
-    refuse_inside_out(joint.layers[l], report.layers[l]);
   }
 }
 

@@ -66,10 +66,13 @@ struct BuildRequest {
 struct LayerReport {
   std::string way;  ///< in words
   int holes_filled = 0, parts_left_out = 0;
-  int raised = 0;       ///< vertices with less than the least thickness
-  int below_least = 0;  ///< vertices of half the gap that are thinner than the least thickness that was asked for
-  int missed = 0;       ///< thickness to the closest point
-  int under = 0;        ///< vertices inside the bone
+  int slivers = 0;           ///< triangles that were all but a line, merged with their neighbours
+  int raised = 0;            ///< vertices with less than the least thickness
+  double raised_area = 0.0;  ///< around them
+  int below_least = 0;       ///< vertices of half the gap that are thinner than the least thickness that was asked for
+  int missed = 0;            ///< thickness to the closest point
+  int under = 0;             ///< vertices inside the bone
+  int beside = 0;            ///< vertices with no bone beneath, for it is open and ends there: as thick as those around
   SheetChanges changes;
   SheetQuality quality;
   double fade = 0.0;  ///< width over which it thins out before its rim; 0: it ends there
@@ -92,7 +95,7 @@ struct BuildReport {
 void turn_open_bones(BuildRequest& request, BuildReport& report);
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
-/// bone, prisms that cannot be made sound.
+/// bone, cartilage of which less than half can be meshed.
 BuiltJoint build_joint(const BuildRequest& request, BuildReport& report);
 
 }  // namespace dea

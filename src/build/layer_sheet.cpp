@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
@@ -42,73 +41,6 @@ double column_jacobian(const BuiltLayer& layer, const Triangle& t, int elements_
     top[k] = b + (a - b) * (element + 1) / elements_through;
   }
   return prism_jacobian(bottom, top);
-}
-
-double least_of_column(const BuiltLayer& layer, const Triangle& t, int elements_through) {
-  double least = kInfinity;
-  for (int e = 0; e < elements_through; ++e) least = std::min(least, column_jacobian(layer, t, elements_through, e));
-  return least;
-}
-
-/// Vertices of prisms that are inside out or nearly so, and those next to them.
-std::vector<char> bad_vertices(const BuiltLayer& layer, int elements_through,
-                               const std::vector<std::vector<int>>& neighbours, bool& any) {
-  constexpr double kLeast = 0.02;
-  std::vector<char> bad(layer.bone.size(), 0);
-  any = false;
-  for (const Triangle& t : layer.triangles)
-    if (least_of_column(layer, t, elements_through) < kLeast) {
-      any = true;
-      for (const int v : t) bad[at(v)] = 1;
-    }
-  std::vector<char> grown = bad;
-  for (std::size_t v = 0; v < bad.size(); ++v)
-    for (const int n : neighbours[v]) grown[v] |= bad[at(n)];
-  return grown;
-}
-
-/// The end of the layer that does not move, and the one that does. `recast`: length along a new direction; NaN: as was.
-struct Ends {
-  std::vector<Vector3d>* moving;
-  const std::vector<Vector3d>* fixed;
-  std::function<double(const Vector3d& from, const Vector3d& direction, double length)> recast;
-};
-
-/// Directions of bad vertices become the mean of their neighbours'; from the tenth round on they are shortened too.
-SheetChanges relax(BuiltLayer& layer, int elements_through, const Ends& ends) {
-  const auto neighbours = vertex_neighbours(layer.articular.size(), layer.triangles);
-  const std::vector<Vector3d> wanted = *ends.moving;
-  std::vector<Vector3d>& moving = *ends.moving;
-  const std::vector<Vector3d>& fixed = *ends.fixed;
-  SheetChanges changes;
-  for (int round = 0;; ++round) {
-    const std::vector<char> bad = bad_vertices(layer, elements_through, neighbours, changes.sound);
-    changes.sound = !changes.sound;
-    if (changes.sound || round == 40) break;
-    const std::vector<Vector3d> before = moving;
-    for (std::size_t v = 0; v < bad.size(); ++v) {
-      if (!bad[v]) continue;
-      Vector3d direction = (before[v] - fixed[v]).normalized();
-      double length = (before[v] - fixed[v]).norm();
-      for (const int n : neighbours[v]) direction += (before[at(n)] - fixed[at(n)]).normalized();
-      direction.normalize();
-      const double cast = ends.recast ? ends.recast(fixed[v], direction, length) : kNaN;
-      if (std::isfinite(cast) && round < 10) length = cast;
-      if (round >= 10) length *= 0.9;
-      moving[v] = fixed[v] + length * direction;
-    }
-  }
-  for (std::size_t v = 0; v < wanted.size(); ++v) {
-    const Vector3d was = wanted[v] - fixed[v], is = moving[v] - fixed[v];
-    const double turn = std::atan2(was.cross(is).norm(), was.dot(is)), thin = std::abs(1 - is.norm() / was.norm());
-    if (turn > 1e-9) ++changes.turned;
-    if (thin > 1e-9) ++changes.thinned;
-    if (thin > changes.most_thinned || (changes.most_thinned <= 1e-9 && turn > changes.most_turned))
-      changes.where = fixed[v];
-    changes.most_turned = std::max(changes.most_turned, turn);
-    changes.most_thinned = std::max(changes.most_thinned, thin);
-  }
-  return changes;
 }
 
 }  // namespace
@@ -176,13 +108,8 @@ void fade_layer(BuiltLayer& layer, double fade, double least, int elements_throu
   fade_at_rim(thickness, distances_to_rim(layer.face()), fade, least);
   for (std::size_t v = 0; v < was.size(); ++v)
     layer.articular[v] = layer.bone[v] + thickness[v] / was[v] * (layer.articular[v] - layer.bone[v]);
-  const SheetChanges more = relax(layer, elements_through, {&layer.articular, &layer.bone, {}});
-  changes.turned += more.turned;
-  changes.thinned += more.thinned;
-  if (more.most_thinned > changes.most_thinned) changes.where = more.where;
-  changes.most_turned = std::max(changes.most_turned, more.most_turned);
-  changes.most_thinned = std::max(changes.most_thinned, more.most_thinned);
-  changes.sound = more.sound;
+  changes.wanted = thickness;
+  make_sound(layer, {elements_through, true, nullptr, 0.0, {}}, changes);
 }
 
 BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector3d>& directions,
@@ -192,7 +119,7 @@ BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector
   layer.bone = region.points;
   for (std::size_t v = 0; v < thickness.size(); ++v)
     layer.articular.push_back(region.points[v] + thickness[v] * directions[v]);
-  changes = relax(layer, elements_through, {&layer.articular, &layer.bone, {}});
+  make_sound(layer, {elements_through, true, nullptr, 0.0, {}}, changes);
   return layer;
 }
 
@@ -202,34 +129,41 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
   const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
   Beneath beneath{facing_gaps(articular.points, inwards, bone, kInfinity), std::vector<char>(n, 0),
-                  std::vector<char>(n, 0)};
+                  std::vector<char>(n, 0), std::vector<double>(n, 0.0), std::vector<char>(n, 0)};
   parallel_for(n, [&](std::size_t v) {
     if (std::isfinite(beneath.thickness[v])) return;
     const double distance = signed_distance(bone, at_vertices, articular.points[v]);
     beneath.missed[v] = 1;
+    beneath.beside[v] = on_open_edge(bone.mesh(), bone.closest(articular.points[v]));
+    if (beneath.beside[v]) return;
     beneath.under[v] = distance < 0;
     beneath.thickness[v] = std::max(0.0, distance);
+    beneath.depth[v] = std::max(0.0, -distance);
   });
+  // nothing beneath, and no inside to lie in
+  fill_unknown(articular, beneath.thickness, 0.0);
   return beneath;
 }
 
-BuiltLayer layer_under_surface(const TriangleSurface& articular, const RayCaster& bone, double least,
-                               int elements_through, SheetChanges& changes, int& raised) {
-  const Beneath beneath = bone_beneath(articular, bone);
+BuiltLayer layer_under_surface(const TriangleSurface& articular, const Beneath& beneath, const RayCaster& bone,
+                               double least, int elements_through, SheetChanges& changes) {
   const std::vector<Vector3d> normals = point_normals(articular);
+  const std::vector<char> rim = rim_vertices(normals.size(), articular.triangles, edge_neighbours(articular.triangles));
   BuiltLayer layer;
   layer.triangles = articular.triangles;
   layer.articular = articular.points;
-  raised = 0;
   for (std::size_t v = 0; v < normals.size(); ++v) {
-    raised += beneath.thickness[v] < least;
-    layer.bone.push_back(articular.points[v] - std::max(least, beneath.thickness[v]) * normals[v]);
+    const double thickness = std::max(least, beneath.thickness[v]);
+    layer.bone.push_back(articular.points[v] - thickness * normals[v]);
+    changes.wanted.push_back(thickness);
+    changes.change.push_back(!rim[v] && beneath.depth[v] > least ? least : 0.0);
   }
   const auto recast = [&](const Vector3d& from, const Vector3d& direction, double length) {
-    const LineHit hit = bone.nearest_facing(from, direction, 0.0, 0.0, 1.5 * length, 0.3);
-    return hit.point.triangle >= 0 && hit.distance > 0.5 * length ? std::max(least, hit.distance) : kNaN;
+    const LineHit hit = bone.nearest_facing(from, direction, 0.0, 0.0, 4.0 * length, 0.2);
+    const bool there = hit.point.triangle >= 0 && hit.distance > 0 && bone.within(from, 0.35 * hit.distance).empty();
+    return there ? std::max(least, hit.distance) : kNaN;
   };
-  changes = relax(layer, elements_through, {&layer.bone, &layer.articular, recast});
+  make_sound(layer, {elements_through, false, &bone, least, recast}, changes);
   return layer;
 }
 

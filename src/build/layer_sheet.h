@@ -1,21 +1,12 @@
-// src/build/layer_sheet.h – a sheet of prisms between bone and articular surface, none of them inside out.
+// src/build/layer_sheet.h – a sheet of prisms between bone and articular surface.
 #pragma once
 #include <vector>
 
 #include "src/build/built_joint.h"
+#include "src/build/sound_columns.h"
 #include "src/geometry/ray_caster.h"
 
 namespace dea {
-
-/// What had to give way so that no element is inside out.
-struct SheetChanges {
-  int turned = 0;                                   ///< vertices whose direction through the layer was changed
-  double most_turned = 0.0;                         ///< by how much at most [rad]
-  int thinned = 0;                                  ///< vertices whose thickness was changed
-  double most_thinned = 0.0;                        ///< the least ratio of new to wanted is 1 - this
-  Eigen::Vector3d where = Eigen::Vector3d::Zero();  ///< of the largest change of thickness, else of direction
-  bool sound = true;                                ///< false: some elements are still inside out
-};
 
 /// Quality of the prisms of a sheet divided into `elements_through`.
 struct SheetQuality {
@@ -50,13 +41,16 @@ struct Beneath {
   std::vector<double> thickness;  ///< per point, along minus the normal; where that misses: to the closest point
   std::vector<char> missed;       ///< per point: the closest point's distance
   std::vector<char> under;        ///< per point: it lies inside the bone; thickness is 0 there
+  std::vector<double> depth;      ///< per point that lies inside the bone: how deep; else 0
+  std::vector<char> beside;       ///< per point: beside an open bone; as thick as those around
 };
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone);
 
-/// Cartilage between a segmented articular surface, whose points and triangles stay, and the bone beneath it (along the
-/// normals). Thickness below `least` is raised to it, into the bone: `raised` vertices.
-BuiltLayer layer_under_surface(const TriangleSurface& articular, const RayCaster& bone, double least,
-                               int elements_through, SheetChanges& changes, int& raised);
+/// Cartilage between a segmented articular surface, whose points and triangles stay where columns are sound, and the
+/// bone beneath it (along the normals). Thickness below `least` is raised to it, into the bone. At the rim and where
+/// the cartilage thins out that is no change; where the surface lies deeper in the bone than `least` it is one.
+BuiltLayer layer_under_surface(const TriangleSurface& articular, const Beneath& beneath, const RayCaster& bone,
+                               double least, int elements_through, SheetChanges& changes);
 
 /// Thickness before a rim: whole from `fade` on, `least` (or less, where it was) at the rim, between them by the cubic
 /// s^2 (3 - 2 s), which is level at both ends. `thickness`: per point; `rim`: per point its distance to the rim.

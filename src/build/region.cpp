@@ -149,6 +149,13 @@ double signed_distance(const RayCaster& surface, const std::vector<Eigen::Vector
   return away.dot(pseudonormal(surface.mesh(), at_vertices, closest)) < 0 ? -away.norm() : away.norm();
 }
 
+bool on_open_edge(const SurfaceMesh& mesh, const SurfacePoint& point) {
+  constexpr double kNone = 1e-9;  // barycentric: on the edge
+  for (std::size_t k = 0; k < 3; ++k)
+    if (point.weights[k] < kNone && mesh.neighbours[at(point.triangle)][(k + 1) % 3] < 0) return true;
+  return false;
+}
+
 std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& s) {
   std::vector<Eigen::Vector3d> normals(s.points.size(), Eigen::Vector3d::Zero());
   for (const Triangle& t : s.triangles) {

@@ -25,6 +25,9 @@ std::vector<Eigen::Vector3d> angle_weighted_normals(const SurfaceMesh& mesh);
 double signed_distance(const RayCaster& surface, const std::vector<Eigen::Vector3d>& at_vertices,
                        const Eigen::Vector3d& x);
 
+/// A point of a surface lies on the edge of an open one: what is closest there may be beside the surface.
+bool on_open_edge(const SurfaceMesh& mesh, const SurfacePoint& point);
+
 /// Per point: the area-weighted mean of the normals around it, unit.
 std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& surface);
 

@@ -1,6 +1,7 @@
 #include "src/build/remesh.h"
 
 #include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
@@ -10,7 +11,10 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
 #endif
 
+#include <algorithm>
 #include <vector>
+
+#include "src/build/mend_surface.h"
 
 namespace dea {
 
@@ -52,7 +56,29 @@ TriangleSurface from_cgal(Mesh& mesh) {
   return surface;
 }
 
+bool is_sliver(const TriangleSurface& s, const std::array<int, 3>& t) {
+  constexpr double kLeastHeight = 0.0173;  // of the longest edge
+  const auto point = [&](std::size_t k) { return s.points[static_cast<std::size_t>(t[k % 3])]; };
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (point(k + 1) - point(k)).squaredNorm());
+  return 2 * area_vector(s, t).norm() < kLeastHeight * longest;
+}
+
 }  // namespace
+
+TriangleSurface without_slivers(const TriangleSurface& surface) {
+  const auto& all = surface.triangles;
+  if (std::none_of(all.begin(), all.end(), [&](const auto& t) { return is_sliver(surface, t); })) return surface;
+  constexpr double kCap = -0.9962, kNeedle = 50;  // cosine of 175 degrees; longest edge over shortest
+  Mesh mesh = to_cgal(surface);
+#if CGAL_VERSION_NR < 1060000000
+  pmp::experimental::remove_almost_degenerate_faces(mesh.faces(), mesh, kCap, kNeedle, 0.0);
+#else
+  pmp::remove_almost_degenerate_faces(mesh.faces(), mesh,
+                                      pmp::parameters::cap_threshold(kCap).needle_threshold(kNeedle));
+#endif
+  return from_cgal(mesh);
+}
 
 TriangleSurface remeshed(const TriangleSurface& surface, double edge) {
   Mesh mesh = to_cgal(surface);

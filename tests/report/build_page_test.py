@@ -5,6 +5,7 @@ build_page_test.py DEA [CHECK...]. Exit code 77: there is no chromedriver. Pytho
 import csv
 import io
 import json
+import math
 import os
 import re
 import subprocess
@@ -40,9 +41,20 @@ def make(dea, folder):
         subprocess.run([dea, "build", "--bone", f"{pelvis}=pelvis.stl", "--bone", "femur=femur.stl", *cartilage, "--force", "femur=432,-262,1834",
                         "-o", name + ".feb", "--report", name + ".html", "-q", *options], cwd=folder, check=True, stdout=subprocess.DEVNULL)
         pages[name] = os.path.join(folder, name + ".html")
-    with open(os.path.join(folder, "hip.json")) as file:
-        pages["json"] = json.load(file)
+    # a lining of which the middle is pressed half a millimetre into the bone: its thickness cannot be what it was
+    with open(os.path.join(folder, "dented.stl"), "w") as file:
+        file.write(re.sub(r"vertex (\S+) (\S+) (\S+)", lambda m: "vertex %.9g %.9g %.9g" % dented(*map(float, m.groups())), stl_shapes.SURFACES["acetabular_cartilage.stl"]))
+    subprocess.run([dea, "build", "--bone", "pelvis=pelvis.stl", "--cartilage", "pelvis=dented.stl", "--bone", "femur=femur.stl", "--force", "femur=432,-262,1834",
+                    "-o", "dented.feb", "--report", "dented.html", "--json", "dented.json", "-q"], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    pages["dented"] = os.path.join(folder, "dented.html")
+    for key, name in (("json", "hip.json"), ("dented json", "dented.json")):
+        with open(os.path.join(folder, name)) as file:
+            pages[key] = json.load(file)
     return pages
+
+
+def dented(*point):
+    return tuple(c * (24.5 / 22.05 if math.hypot(point[0], point[1]) < 5 else 1) for c in point)
 
 
 def ready(b, page):
@@ -69,6 +81,19 @@ def all_maps_are_drawn(b, pages):
         drawn = hashes(b, maps)
         same(len(drawn), count, f"maps of {maps}")
         true(all(colours > 10 for _, colours in drawn), f"blank maps: {drawn}")
+    no_faults(b, "the page")
+
+
+@check
+def a_change_of_thickness_is_a_map_and_a_warning(b, pages):
+    ready(b, pages["dented"])
+    drawn = hashes(b, "parts")
+    same(len(drawn), 4, "thickness, gap, Jacobian, change")
+    true(all(colours > 10 for _, colours in drawn), f"blank maps: {drawn}")
+    words = b.run("return document.querySelector('#readout3').textContent")
+    value, exact = float(re.search(r"most: ([0-9.e-]+)", words).group(1)), pages["dented json"]["layers"][0]["thickness_change_most"]
+    true(abs(value - exact) <= 5e-3 * exact, f"most: {words}, expected {exact}")
+    true("had to change by more than a tenth" in b.run("return document.getElementById('warnings').textContent"), "no warning")
     no_faults(b, "the page")
 
 

@@ -79,7 +79,7 @@ std::vector<double> least_of_columns(const std::vector<double>& prisms, std::siz
 }
 
 struct LayerRanges {
-  ValueRange thickness, gap, jacobian;
+  ValueRange thickness, gap, jacobian, change;
   std::vector<std::pair<double, double>> gap_areas;  ///< for an end of the scale that a few far places do not set
 };
 
@@ -120,6 +120,14 @@ TitledTable option_table(const BuildPageInput& input) {
   return t;
 }
 
+/// By how much the thickness changed at each point; empty: nowhere.
+std::vector<double> thickness_changes(const LayerReport& report) {
+  std::vector<double> changes;
+  if (report.changes.thinned == 0) return changes;
+  for (const double change : report.changes.change) changes.push_back(std::abs(change));
+  return changes;
+}
+
 Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json& meshes, PageArrays& arrays) {
   const BuiltLayer& layer = s.joint.layers[l];
   const TriangleSurface face = layer.face();
@@ -141,13 +149,18 @@ Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json&
   ranges.gap.add(gaps);
   add_areas(surface, facet_average(surface, at_points(gaps, numbers)), ranges.gap_areas);
   j["gap"] = arrays.add(pack_floats(floats(at_points(gaps, numbers))));
-  j["thickness"] = j["jacobian"] = nullptr;
+  j["thickness"] = j["jacobian"] = j["change"] = nullptr;
   j["jacobians"] = nullptr;
   if (layer.bare) return j;
   std::vector<double> thickness;
   for (std::size_t v = 0; v < layer.bone.size(); ++v) thickness.push_back((layer.articular[v] - layer.bone[v]).norm());
   ranges.thickness.add(thickness);
   j["thickness"] = arrays.add(pack_floats(floats(at_points(thickness, numbers))));
+
+  if (const std::vector<double> changes = thickness_changes(s.report.layers[l]); !changes.empty()) {
+    ranges.change.add(changes);
+    j["change"] = arrays.add(pack_floats(floats(at_points(changes, numbers))));
+  }
 
   const std::vector<double> prisms = prism_jacobians(layer, s.model.elements_through);
   const std::vector<double> columns = least_of_columns(prisms, layer.triangles.size());
@@ -227,7 +240,8 @@ std::string build_page_html(const BuildPageInput& input) {
   page["view"] = joint_view(input);
   page["scales"] = {{"thickness", scale_of_layers(ranges.thickness, std::nullopt, 0)},
                     {"gap", scale_of_layers(ranges.gap, std::nullopt, most_of_area_below(ranges.gap_areas))},
-                    {"jacobian", scale_of_layers(ranges.jacobian, 1.0, 0)}};
+                    {"jacobian", scale_of_layers(ranges.jacobian, 1.0, 0)},
+                    {"change", scale_of_layers(ranges.change, std::nullopt, 0)}};
   page["reach"] = json_number(s.report.reach);
   std::vector<TitledTable> tables = build_tables(s);
   tables.push_back(option_table(input));

@@ -6,6 +6,7 @@
 #include "src/rules/look.h"
 #include "src/version.h"
 #include "views/data/build_json.h"
+#include "views/text/table.h"
 
 namespace dea {
 
@@ -41,6 +42,12 @@ Json layer_json(const BuildSummary& s, std::size_t l) {
   j["rim_length"] = json_number(r.rim.length);
   j["rim_thickness"] = number(r.rim.thickness);
   j["points_below_least"] = r.below_least;
+  j["area_lost"] = json_number(r.changes.area_lost);
+  j["thickness_change_mean"] = number(r.changes.mean_change);
+  j["thickness_change_most"] = number(r.changes.most_change);
+  j["thickness_changed_part"] = number(r.changes.changed_part);
+  j["points_moved"] = r.changes.moved;
+  j["most_moved"] = json_number(r.changes.most_moved);
   return j;
 }
 
@@ -158,8 +165,31 @@ std::string modulus_question(const BuiltModelSettings& model) {
                      : "";
 }
 
+std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report) {
+  std::vector<std::string> lines;
+  for (std::size_t l = 0; l < joint.layers.size(); ++l) {
+    const SheetChanges& c = report.layers[l].changes;
+    if (!much_changed(c)) continue;
+    std::string found;
+    if (c.changed_part > kMuchArea)
+      found = fmt::format(
+          "a thickness that had to change by more than a tenth over {:.2g} % of its area, {:.2g} mm "
+          "({:.2g} %) at most, at {}",
+          100 * c.changed_part, c.most_change, 100 * c.most_thinned, vector_text(c.where));
+    if (c.lost_part() > kMuchArea)
+      found += fmt::format("{}{:.2g} % of its area that had to be left out", found.empty() ? "" : ", and ",
+                           100 * c.lost_part());
+    lines.push_back(
+        fmt::format("{}: found {}; the surface folds or lies inside the bone there: look at the map "
+                    "\"Change\" of the page (--report); a smoother surface or other triangles (--edge) may do",
+                    joint.layers[l].name, found));
+  }
+  return lines;
+}
+
 std::vector<std::string> build_warnings(const BuildSummary& s) {
   std::vector<std::string> lines = s.anatomy.warnings;
+  for (const std::string& change : change_warnings(s.joint, s.report)) lines.push_back(change);
   if (const std::string odd = modulus_question(s.model); !odd.empty()) lines.push_back(odd);
   for (const std::string& question : load_questions(s.joint, s.report)) lines.push_back(question);
   for (const BuildBalance& b : s.balances)

@@ -42,8 +42,10 @@ bool all_balanced(const BuildSummary& summary);
 std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report);
 /// A modulus that no cartilage has; empty: it is none.
 std::string modulus_question(const BuiltModelSettings& model);
-/// What was measured against the axes or the side, a modulus that no cartilage has, loads that no joint bears, loads
-/// without a balance; a line each.
+/// Layers whose thickness had to change by much over a part of their area that matters, a line each.
+std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report);
+/// What was measured against the axes or the side, layers that changed, a modulus that no cartilage has, loads that no
+/// joint bears, loads without a balance; a line each.
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.

@@ -10,25 +10,48 @@
 
 namespace dea {
 
+namespace {
+
+std::string percent(double part) { return fmt::format("{:.2g} %", 100 * part); }
+
+/// What a layer's area and thickness gave way, and what else is not as it was wanted: empty: nothing.
+std::vector<std::string> changes_of(const LayerReport& r) {
+  const SheetChanges& c = r.changes;
+  std::vector<std::string> parts;
+  if (c.area_lost > 0)
+    parts.push_back(fmt::format("{} mm^2 ({}) of its area left out, where elements would be inside out",
+                                four_digits(c.area_lost), percent(c.lost_part())));
+  if (c.most_change > 0)
+    parts.push_back(fmt::format(
+        "thickness changed by {:.2g} mm in the mean and {:.2g} mm ({}) at most, at {}, by more than a tenth over {} of "
+        "the area",
+        c.mean_change, c.most_change, percent(c.most_thinned), vector_text(c.where), percent(c.changed_part)));
+  if (c.turned > 0)
+    parts.push_back(fmt::format("lines through it turned by up to {:.2g} degrees, so that no element is inside out",
+                                c.most_turned * kDegreesPerRadian));
+  if (c.moved > 0) parts.push_back(fmt::format("folds spread by up to {:.2g} mm", c.most_moved));
+  if (r.raised > 0 && c.wanted_area > 0)
+    parts.push_back(
+        fmt::format("raised to the least thickness over {} of its area", percent(r.raised_area / c.wanted_area)));
+  const auto add = [&](int count, const char* noun, const char* what) {
+    if (count > 0) parts.push_back(fmt::format("{} {}{} {}", count, noun, count == 1 ? "" : "s", what));
+  };
+  add(r.slivers, "sliver", "merged with what lies around");
+  add(r.missed - r.under - r.beside, "point", "whose thickness is that to the nearest point of the bone");
+  add(r.beside, "point", "beside the bone's open edge, as thick as those around");
+  add(r.holes_filled, "hole", "filled");
+  add(r.parts_left_out, "small part", "left out");
+  return parts;
+}
+
+}  // namespace
+
 std::vector<std::string> layer_changes(const BuildSummary& s) {
   std::vector<std::string> lines;
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
-    const LayerReport& r = s.report.layers[l];
-    const auto add = [&](int count, const char* noun, const std::string& what) {
-      if (count > 0)
-        lines.push_back(
-            fmt::format("{}: {} {}{} {}", s.joint.layers[l].name, count, noun, count == 1 ? "" : "s", what));
-    };
-    add(r.changes.turned, "point",
-        fmt::format("turned, by {:.2g} degrees at most, so that no element is inside out; most at {}",
-                    r.changes.most_turned * kDegreesPerRadian, vector_text(r.changes.where)));
-    add(r.changes.thinned, "point",
-        fmt::format("of another thickness for that, by {:.2g} % at most", 100 * r.changes.most_thinned));
-    add(r.raised, "point", "raised to the least thickness");
-    add(r.under, "point", "inside the bone");
-    add(r.missed - r.under, "point", "whose thickness is that to the nearest point of the bone");
-    add(r.holes_filled, "hole", "filled");
-    add(r.parts_left_out, "small part", "left out");
+    std::string line;
+    for (const std::string& part : changes_of(s.report.layers[l])) line += (line.empty() ? "" : "; ") + part;
+    if (!line.empty()) lines.push_back(s.joint.layers[l].name + ": " + line);
   }
   return lines;
 }

@@ -6,9 +6,10 @@ const Page = (() => {
   const { framed, tick, style, withLegend } = Figures.tools;
   const state = { layer: Math.max(0, layers.findIndex((l) => !l.bare)), shown: bodies.map(() => ({ bone: true, cartilage: true })), solid: false, theme: "light" };
   const quantities = {
-    thickness: { head: "Thickness", title: "cartilage thickness", dimension: "length", of: "points" },
+    thickness: { head: "Thickness", title: "cartilage thickness", dimension: "length", of: "points", most: true },
     gap: { head: "Gap", title: "gap to the other surface", dimension: "length", of: "points" },
-    jacobian: { head: "Least Jacobian", title: "least Jacobian of a column's elements", dimension: "", of: "columns" }
+    jacobian: { head: "Least Jacobian", title: "least Jacobian of a column's elements", dimension: "", of: "columns" },
+    change: { head: "Change", title: "change of the thickness", dimension: "length", of: "points", most: true }
   };
   const figures = [];
   let whole = null, parts = null, panels = [], ticket = 0;
@@ -104,9 +105,9 @@ const Page = (() => {
       make("span", { class: "group", role: "group" }, makeToggle("contours", "contours", true, (on) => { parts.options.contours = on; drawLayer(); }), makeToggle("lines", "mesh", false, (on) => { parts.options.lines = on; parts.request(); }),
         makeToggle("marks", "marks", true, (on) => { parts.options.marks = on; parts.request(); }), makeToggle("veil", "bones", true, (on) => { parts.options.veil = on; parts.request(); })),
       make("button", { id: "reset", text: "reset view", onclick: resetLayer }),
-      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers and colours, on white", onclick: () => Figures.saveCanvas(mapsPicture(parts, panels, panels.map((p) => p.what.scale), { head: [Report.title], numbers: (p) => p.readout.textContent.split(" · "), foot: parts.options.marks ? "Ring: the thickest place, the least gap, the least Jacobian." : "" }), fileName(layers[state.layer].name)) }));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers and colours, on white", onclick: () => Figures.saveCanvas(mapsPicture(parts, panels, panels.map((p) => p.what.scale), { head: [Report.title], numbers: (p) => p.readout.textContent.split(" · "), foot: parts.options.marks ? "Ring: the thickest place, the least gap, the least Jacobian, the largest change." : "" }), fileName(layers[state.layer].name)) }));
     makeSection("layers", "Layers", controls, make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }),
-      make("p", { class: "keys", text: `${keys} Gap: along the normal to the articular surface that it is in contact with, as built, before any load; grey where none faces it within ${Format.with(Report.reach, "length", 3)}. Jacobian: the least at a corner of the column's ${Report.elements_through} elements; 1 is a straight prism on an equilateral triangle, 0 or less is inside out. Ring: the thickest place, the least gap, the least Jacobian.` }));
+      make("p", { class: "keys", text: `${keys} Gap: along the normal to the articular surface that it is in contact with, as built, before any load; grey where none faces it within ${Format.with(Report.reach, "length", 3)}. Jacobian: the least at a corner of the column's ${Report.elements_through} elements; 1 is a straight prism on an equilateral triangle, 0 or less is inside out. Change, where there is any: by how much the thickness had to differ from the surfaces', so that no element is inside out. Ring: the thickest place, the least gap, the least Jacobian, the largest change.` }));
     parts.onpick = readouts;
     parts.onreset = resetLayer;
   }
@@ -130,7 +131,7 @@ const Page = (() => {
   // The place that a map's ring marks: the thickest point, of the others the least value.
   function extreme(p) {
     if (p.quantity === "jacobian") return layers[state.layer].jacobians.triangle - 1;
-    const most = p.quantity === "thickness" ? 1 : -1;
+    const most = quantities[p.quantity].most ? 1 : -1;
     let best = -1;
     for (let i = 0; i < p.numbers.length; ++i) if (!Number.isNaN(p.numbers[i]) && (best < 0 || most * p.numbers[i] > most * p.numbers[best])) best = i;
     return best;
@@ -155,7 +156,7 @@ const Page = (() => {
       const q = quantities[p.quantity], points = q.of === "points", hit = parts.hover ? p.hit : null, i = hit ? (points ? hit.vertex : hit.facet) : extreme(p);
       if (i < 0) { p.readout.replaceChildren(); continue; }
       const what = points ? `point ${p.sheet.nodes[i]}` : `triangle ${i + 1}`, x = placeOf(p, i).map((c) => Format.short(c, 5)).join(", ");
-      p.readout.replaceChildren(hit ? "" : p.quantity === "thickness" ? "most: " : "least: ", make("b", { text: Format.with(p.numbers[i], q.dimension) }), ` · ${what} at (${x})`);
+      p.readout.replaceChildren(hit ? "" : q.most ? "most: " : "least: ", make("b", { text: Format.with(p.numbers[i], q.dimension) }), ` · ${what} at (${x})`);
     }
   }
 
