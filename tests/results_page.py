@@ -123,10 +123,22 @@ def run(folder, line, exits=(0,)):
         raise SystemExit(f"dea {line}: exit code {done.returncode}\n{done.stderr}")
 
 
+def with_one_trochlea(knee):
+    """The knee with one surface of the femur in both contacts of the patella: a layer that several contacts press."""
+    sides = ("medial_trochlea", "lateral_trochlea")
+    facets = [f for side in sides for f in re.search(f'<Surface name="{side}">\n(.*?)</Surface>', knee, re.S)[1].splitlines()]
+    facets = [re.sub('id="\\d+"', f'id="{i}"', f) for i, f in enumerate(facets, 1)]
+    both = '<Surface name="trochlea">\n' + "\n".join(facets) + "\n</Surface>\n"
+    for side in sides:
+        knee = knee.replace(f"<secondary>{side}</secondary>", "<secondary>trochlea</secondary>")
+    return knee.replace("<SurfacePair", both + "<SurfacePair", 1)
+
+
 def make_models(folder):
     for model in ("hip/hip_walking", "knee/knee", "plateaus/plateaus", "ligament/ligament", "chain/chain"):
         name = pathlib.Path(model).name
         (folder / f"{name}.feb").write_text((samples / f"{model}.feb").read_text())
+    (folder / "shared.feb").write_text(with_one_trochlea((samples / "knee/knee.feb").read_text()))
     (folder / "febio.xplt").write_bytes((samples / "hip/hip_walking_febio.xplt").read_bytes())
     text = (samples / "ligament/ligament.feb").read_text()
     # on a node of the femur, after the mesh's last node
@@ -144,6 +156,7 @@ def run_all(folder):
         run(folder, f"run {model}.feb -q --states last --inside -o {model}.xplt " + outputs.format(model))
         run(folder, f"info {model}.feb --json {model}.info.json")
     run(folder, "run plateaus.feb -q --law linear -o all.xplt " + outputs.format("all"))  # from before the first touch
+    run(folder, "run shared.feb -q --states last --no-xplt --json shared.run.json")
     run(folder, "info refused.feb --json refused.info.json", (3,))
     run(folder, "converge ligament.feb -q --target 0.05 --law linear --json a.converge.json")
     run(folder, "compare hip_walking.xplt febio.xplt -q --profile --dose-above 1 --up 0,0,1 --anterior 0,1,0 "
