@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <optional>
 
 #include "io/febio/febio_text.h"
@@ -10,6 +9,7 @@
 #include "io/tables/table.h"
 #include "src/base/error.h"
 #include "src/base/parse.h"
+#include "src/base/rotations.h"
 
 namespace dea {
 
@@ -19,25 +19,21 @@ constexpr const char* kForm =
     "expected 16 numbers, four rows of a 4x4 matrix, or a linear transform of Slicer (.tfm); a row of a table of poses "
     "is named FILE:ROW";
 
-/// The rotation nearest to a matrix that is one but for its digits, and how far its numbers were off.
+/// The rotation that the matrix is but for its digits, and how far its numbers were off.
 Eigen::Matrix3d exact_rotation(const Eigen::Matrix3d& m, double& corrected) {
-  constexpr double kDigits = 1e-3;
-  if (m.determinant() < 0)
-    throw BadValue(
-        "found a mirror image (left-handed axes), expected a rotation; mirror the surface where it was made");
-  const double off = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (off > kDigits) {
-    const Eigen::Vector3d axes = m.colwise().norm();
-    if ((axes.array() - 1).abs().maxCoeff() > kDigits / 2)
+  if (const std::optional<RotationFault> fault = rotation_fault(m)) {
+    if (fault->kind == RotationFault::Kind::Mirror)
+      throw BadValue(
+          "found a mirror image (left-handed axes), expected a rotation; mirror the surface where it was made");
+    if (fault->kind == RotationFault::Kind::Length)
       throw BadValue(
           fmt::format("found axes {:.4g}, {:.4g} and {:.4g} long, expected 1: a pose does not scale; scale the surface "
                       "where it was made, or all of them with --scale",
-                      axes[0], axes[1], axes[2]));
-    throw BadValue(
-        fmt::format("found axes that are not at right angles (cosine {:.2g}), expected a rotation without shear", off));
+                      m.col(0).norm(), m.col(1).norm(), m.col(2).norm()));
+    throw BadValue(fmt::format(
+        "found axes that are not at right angles (cosine {:.2g}), expected a rotation without shear", fault->value));
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d exact = svd.matrixU() * svd.matrixV().transpose();
+  const Eigen::Matrix3d exact = nearest_rotation(m);
   corrected = (exact - m).cwiseAbs().maxCoeff();
   return exact;
 }

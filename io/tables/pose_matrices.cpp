@@ -8,11 +8,11 @@
 
 #include "io/febio/febio_text.h"
 #include "io/tables/table_columns.h"
-#include "src/base/decompositions.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
+#include "src/base/rotations.h"
 #include "src/base/say.h"
 
 namespace dea {
@@ -22,7 +22,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Matrix4d;
 
-constexpr double kRounding = 1e-3;  // of a rotation's cells: tables have four digits or more
+constexpr double kRounding = 1e-3;  // of the last row
 
 /// "11" of row and column 0.
 std::string place(int row, int column) { return fmt::format("{}{}", row + 1, column + 1); }
@@ -56,22 +56,18 @@ Isometry3d pose_of(const NumberTable& table, const std::string& name, const std:
       refuse(fmt::format("column \"{}{}\": found {:g}", name, place(3, j), m(3, j)),
              fmt::format("{}: the last row of a matrix is 0 0 0 1, and its last column has the place", j == 3 ? 1 : 0));
   const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  for (int i = 0; i < 3; ++i) {
-    const double size = R.col(i).norm();
-    if (std::abs(size - 1) > kRounding)
-      refuse(fmt::format("{}: found a length of {:.6g}", column(i), size), "1, as in every rotation");
-    for (int j = 0; j < i; ++j)
-      if (std::abs(R.col(i).dot(R.col(j))) > kRounding)
-        refuse(
-            fmt::format("{} and {}: found axes with a cosine of {:.4g}", column(j), column(i), R.col(i).dot(R.col(j))),
-            "0: axes of a rotation stand at right angles");
-  }
-  if (R.determinant() < 0)
+  if (const std::optional<RotationFault> fault = rotation_fault(R)) {
+    if (fault->kind == RotationFault::Kind::Length)
+      refuse(fmt::format("{}: found a length of {:.6g}", column(fault->axis), fault->value), "1, as in every rotation");
+    if (fault->kind == RotationFault::Kind::Angle)
+      refuse(fmt::format("{} and {}: found axes with a cosine of {:.4g}", column(fault->axis), column(fault->other),
+                         fault->value),
+             "0: axes of a rotation stand at right angles");
     refuse(fmt::format("columns {0}11 to {0}33: found a mirror image", name),
            "a rotation: its determinant is 1, not -1");
-  const SingularValues svd = whole_svd(R);
+  }
   Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = svd.U * svd.V.transpose();
+  pose.linear() = nearest_rotation(R);
   pose.translation() = length * m.topRightCorner<3, 1>();
   return pose;
 }

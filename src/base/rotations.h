@@ -1,7 +1,8 @@
-// src/base/rotations.h – rotations by vectors.
+// src/base/rotations.h – rotations by vectors and by matrices of files.
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 namespace dea {
 
@@ -20,5 +21,16 @@ inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
   if (s < 1e-300) return 2.0 * q.vec();
   return q.vec() * (2.0 * std::atan2(s, q.w()) / s);
 }
+
+/// What keeps a matrix from being a rotation, by more than the digits of a file leave.
+struct RotationFault {
+  enum class Kind { Length, Angle, Mirror } kind;
+  int axis = 0, other = 0;  ///< columns: of `axis` the length is not 1; between both the angle is not right
+  double value = 0.0;       ///< length, or cosine
+};
+std::optional<RotationFault> rotation_fault(const Eigen::Matrix3d& m);
+
+/// The rotation nearest to a matrix that is one but for its digits.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m);
 
 }  // namespace dea
