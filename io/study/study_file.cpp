@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 /// All that is inserted, prepared once.
 struct StudyInserts {
-  Statement remove, one, warning, state, statistics, part, inside, inside_part, pose, surface, field;
+  Statement remove, one, warning, state, statistics, part, inside, inside_part, layer, pose, surface, field;
   explicit StudyInserts(const Database& d)
       : remove(d, "DELETE FROM cases WHERE case_id = ?"),
         one(d, insert_sql(d, "cases")),
@@ -36,6 +36,7 @@ struct StudyInserts {
         part(d, insert_sql(d, "parts")),
         inside(d, insert_sql(d, "inside")),
         inside_part(d, insert_sql(d, "inside_parts")),
+        layer(d, insert_sql(d, "layers")),
         pose(d, insert_sql(d, "poses")),
         surface(d, insert_sql(d, "surfaces", "OR IGNORE")),
         field(d, insert_sql(d, "fields")) {}
@@ -119,6 +120,11 @@ void insert_state(StudyInserts& in, std::int64_t number, std::int64_t s, const C
   in.state.bind(std::int64_t{state.iterations}).bind(state.residual_force).bind(state.residual_moment).run();
   for (std::size_t c = 0; c < state.statistics.size(); ++c)
     insert_contact(in, number, s, whole(c + 1), result.contacts[c], state.statistics[c]);
+  for (std::size_t k = 0; k < state.layers.size(); ++k) {
+    in.layer.bind(number).bind(s).bind(whole(k + 1)).bind(result.layers[k]);
+    bind_numbers(in.layer, layer_numbers(), state.layers[k]);
+    in.layer.run();
+  }
   for (std::size_t b = 0; b < state.poses.size(); ++b) {
     in.pose.bind(number).bind(s).bind(whole(b + 1)).bind(result.bodies[b]);
     bind_vector(in.pose, state.poses[b].center);

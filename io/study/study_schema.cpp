@@ -103,6 +103,11 @@ CREATE TABLE inside_parts (
   part_id INTEGER NOT NULL,
 {inside_part_numbers}  PRIMARY KEY (case_id, state, contact_id, part_id),
 {of_state}) WITHOUT ROWID;
+CREATE TABLE layers (
+{state}  layer_id INTEGER NOT NULL,
+  layer TEXT NOT NULL,
+{layer_numbers}  PRIMARY KEY (case_id, state, layer_id),
+{of_state}) WITHOUT ROWID;
 CREATE TABLE poses (
 {state}  body_id INTEGER NOT NULL,
   body TEXT NOT NULL,
@@ -125,6 +130,7 @@ CREATE TABLE fields (
                      fmt::arg("case_", kCase), fmt::arg("state", kState), fmt::arg("of_state", kOfState),
                      fmt::arg("contact_numbers", number_columns(contact_numbers())),
                      fmt::arg("part_numbers", number_columns(compartment_numbers())),
+                     fmt::arg("layer_numbers", number_columns(layer_numbers())),
                      fmt::arg("inside_numbers", number_columns(inside_numbers())),
                      fmt::arg("inside_part_numbers", number_columns(compartment_inside_numbers())),
                      fmt::arg("center", vector_columns("center")), fmt::arg("rotation", vector_columns("rotation")),
@@ -165,9 +171,14 @@ CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_o
   t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome{inside_parts}{solved}
   FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
   JOIN parts t ON t.case_id = s.case_id AND t.state = s.state{inside_of_parts};
+CREATE VIEW layer_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,
+  t.layer_id, t.layer, {layer_numbers}s.outcome{solved}
+  FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
+  JOIN layers t ON t.case_id = s.case_id AND t.state = s.state;
 )",
       fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
       fmt::arg("part_numbers", number_names(compartment_numbers())),
+      fmt::arg("layer_numbers", number_names(layer_numbers())),
       fmt::arg("inside", inside ? listed_last(number_names(inside_numbers(), "i")) : ""),
       fmt::arg("solved", solved_column()), fmt::arg("inside_of", inside ? kInsideOf : ""),
       fmt::arg("inside_parts", inside ? listed_last(number_names(compartment_inside_numbers(), "i")) : ""),
@@ -223,7 +234,8 @@ void check_factor_names(const std::vector<Factor>& factors) {
   Database none(":memory:", Database::For::Writing);
   make_study_tables(none, {}, true);
   std::set<std::string> taken;
-  for (const char* all : {"SELECT * FROM cases", "SELECT * FROM results", "SELECT * FROM part_results"})
+  for (const char* all :
+       {"SELECT * FROM cases", "SELECT * FROM results", "SELECT * FROM part_results", "SELECT * FROM layer_results"})
     for (const std::string& name : column_names(none, all)) taken.insert(lower_case(name));
   for (const Factor& f : factors)
     if (taken.count(lower_case(f.name)) > 0)

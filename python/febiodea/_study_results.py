@@ -12,6 +12,7 @@ from ._errors import input_fault, need, usage_fault, whole_number
 from ._study_tables import table_in_memory
 
 _SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
+          "layer_results": "case_id, state, layer_id", "layers": "case_id, state, layer_id",
           "cases": "case_id", "states": "case_id, state", "statistics": "case_id, state, contact_id",
           "parts": "case_id, state, contact_id, part_id", "poses": "case_id, state, body_id",
           "warnings": "case_id, number", "factors": "number", "models": "model_id", "inputs": "number",

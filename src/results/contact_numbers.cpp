@@ -124,6 +124,16 @@ const Numbers<ContactStatistics>& contact_numbers() {
   return all;
 }
 
+const Numbers<LayerStatistics>& layer_numbers() {
+  static const Numbers<LayerStatistics> all = [] {
+    Numbers<LayerStatistics> numbers;
+    add_headline(numbers);
+    add(numbers, "force", &LayerStatistics::force);
+    return numbers;
+  }();
+  return all;
+}
+
 const Numbers<CompartmentLoad>& compartment_numbers() {
   static const Numbers<CompartmentLoad> all = [] {
     Numbers<CompartmentLoad> numbers;

@@ -35,6 +35,9 @@ const std::vector<NamedNumber<ContactStatistics>>& contact_numbers();
 /// Those of the headline, then "force_x", ..., "center_of_pressure_z".
 const std::vector<NamedNumber<CompartmentLoad>>& compartment_numbers();
 
+/// Those of the headline, then "force".
+const std::vector<NamedNumber<LayerStatistics>>& layer_numbers();
+
 /// Of the inside of both layers: "source_bone_max_shear_stress_peak", ...; NaN: not asked for, or no layer.
 const std::vector<NamedNumber<ContactStatistics>>& inside_numbers();
 /// Of a compartment's layer: "bone_max_shear_stress_peak", ...

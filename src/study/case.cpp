@@ -21,6 +21,8 @@ CaseState case_state(const Joint& joint, StateResult&& state, bool keep_fields, 
   out.residual_force = state.equilibrium.residual_force;
   out.residual_moment = state.equilibrium.residual_moment;
   out.statistics = std::move(state.statistics);
+  out.layers = std::move(state.layers);
+  for (LayerStatistics& layer : out.layers) layer.pressure = {};
   out.poses = std::move(state.equilibrium.poses);
   out.reactions = std::move(state.equilibrium.reaction);
   for (std::size_t c = 0; keep_fields && c < state.fields.size(); ++c) {
@@ -33,6 +35,7 @@ CaseState case_state(const Joint& joint, StateResult&& state, bool keep_fields, 
 /// Names and, where fields are kept, the surfaces that they stand on.
 void describe(const JointModel& model, const Joint& joint, bool with_surfaces, CaseResult& result) {
   for (const Body& body : joint.bodies) result.bodies.push_back(body.name);
+  for (const SharedLayer& layer : joint.shared_layers) result.layers.push_back(layer.name);
   for (const ContactPair& pair : joint.contacts) {
     const auto body = [&](const Layer& layer) { return joint.bodies[at(layer.body)].name; };
     result.contacts.push_back(

@@ -22,6 +22,7 @@ struct CaseState {
   int iterations = 0;
   double residual_force = 0.0, residual_moment = 0.0;  ///< NaN: nothing free
   std::vector<ContactStatistics> statistics;           ///< one per contact
+  std::vector<LayerStatistics> layers;                 ///< one per shared layer of the joint, without its map
   std::vector<Pose> poses;                             ///< one per body
   std::vector<Vector6> reactions;                      ///< one per body (Equilibrium::reaction)
   /// Nodal pressures of the surface with springs, for maps: one list per contact, where they are kept. In single
@@ -47,6 +48,7 @@ struct CaseResult {
   std::string message;  ///< one line; empty when solved
   Findings warnings;
   std::vector<CaseContact> contacts;
+  std::vector<std::string> layers;    ///< names of layers that several contacts press
   std::vector<std::string> bodies;    ///< names; the ground among them
   std::vector<CaseSurface> surfaces;  ///< one per contact, where fields are kept: of this model's first case only
   std::vector<CaseState> states;
