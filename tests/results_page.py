@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 
+import made_models
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
@@ -123,22 +124,11 @@ def run(folder, line, exits=(0,)):
         raise SystemExit(f"dea {line}: exit code {done.returncode}\n{done.stderr}")
 
 
-def with_one_trochlea(knee):
-    """The knee with one surface of the femur in both contacts of the patella: a layer that several contacts press."""
-    sides = ("medial_trochlea", "lateral_trochlea")
-    facets = [f for side in sides for f in re.search(f'<Surface name="{side}">\n(.*?)</Surface>', knee, re.S)[1].splitlines()]
-    facets = [re.sub('id="\\d+"', f'id="{i}"', f) for i, f in enumerate(facets, 1)]
-    both = '<Surface name="trochlea">\n' + "\n".join(facets) + "\n</Surface>\n"
-    for side in sides:
-        knee = knee.replace(f"<secondary>{side}</secondary>", "<secondary>trochlea</secondary>")
-    return knee.replace("<SurfacePair", both + "<SurfacePair", 1)
-
-
 def make_models(folder):
     for model in ("hip/hip_walking", "knee/knee", "plateaus/plateaus", "ligament/ligament", "chain/chain"):
         name = pathlib.Path(model).name
         (folder / f"{name}.feb").write_text((samples / f"{model}.feb").read_text())
-    (folder / "shared.feb").write_text(with_one_trochlea((samples / "knee/knee.feb").read_text()))
+    (folder / "shared.feb").write_text(made_models.with_one_trochlea((samples / "knee/knee.feb").read_text()))
     (folder / "febio.xplt").write_bytes((samples / "hip/hip_walking_febio.xplt").read_bytes())
     text = (samples / "ligament/ligament.feb").read_text()
     # on a node of the femur, after the mesh's last node

@@ -16,6 +16,8 @@ import sys
 import tempfile
 import time
 
+import made_models
+
 dea, make_samples = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
 LONG = os.environ.get("DEA_LONG_TESTS", "") not in ("", "0")
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith(("SLURM_", "OMPI_", "PMI_"))}
@@ -196,6 +198,19 @@ def test_cases_are_those_of_dea_run(f):
     for a, b in zip(single, mine):
         for name in shared:
             assert a[name] == b[name], f"{name}: dea run {a[name]}, dea study {b[name]}"
+
+
+def test_layers_that_several_contacts_press_are_those_of_dea_run(f):
+    subprocess.run([make_samples, "--knee", "8", f.path / "knee.feb"], check=True)
+    f.write("knee.feb", made_models.with_one_trochlea((f.path / "knee.feb").read_text()))
+    f.run("knee.feb", "--vary", "E: E={12}", "--states", "last", "-o", "plan.db")
+    run = subprocess.run([dea, "run", "knee.feb", "--E", "12", "--states", "last", "--no-xplt", "-q", "--json", "-"], cwd=f.path,
+                         capture_output=True, text=True)
+    (layer,) = json.loads(run.stdout)["states"][-1]["layers"]
+    assert layer["surfaces"] == ["trochlea"] and len(layer["contacts"]) == 2
+    with sqlite3.connect(f.path / "plan.db") as plan:
+        (mine,) = plan.execute("SELECT layer, headline_p99, headline_area, force FROM layer_results").fetchall()
+    assert mine == ("trochlea", layer["headline"]["p99"], layer["headline"]["area"], layer["force"]), (mine, layer)
 
 
 def test_options_act_in_the_order_of_the_line(f):
