@@ -441,6 +441,7 @@ bool FEDeaContact::evaluate(double alpha) {
   if (!b.evaluated || !same(poses, b.poses) || active != b.active) {
     b.poses = std::move(poses);
     b.active = std::move(active);
+    b.output = false;
     const auto knows = [&](const FEDeaContact* member) {  // one of them presses for all
       return member->bed_ && member->bed_->evaluated && same(member->bed_->poses, b.poses) &&
              member->bed_->active == b.active && member->bed_->members == b.members;
@@ -544,7 +545,7 @@ bool FEDeaContact::update_fields() {
 void FEDeaContact::make_fields() {
   Bed& b = *bed_;
   if (!evaluate(1.0)) return;
-  if (b.output && same(b.poses, b.shown.equilibrium.poses)) return;
+  if (b.output) return;
   const dea::ContactPair& pair = b.joint.contacts[b.own];
   b.shown = {};
   dea::Equilibrium& e = b.shown.equilibrium;

@@ -9,6 +9,7 @@
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/error.h"
+#include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/given_layer.h"
@@ -100,21 +101,35 @@ bool run_into_each_other(const Side& a, const Side& b) {
   return false;
 }
 
-/// Refuses what is said of one layer in two ways; false: the elements themselves are of two materials there.
+/// "surface \"a\"", or "surfaces \"a\", \"b\"".
+std::string surfaces_of(const std::string& first, const std::string& second) {
+  return first == second ? "surface " + in_quotes(first)
+                         : fmt::format("surfaces {}, {}", in_quotes(first), in_quotes(second));
+}
+
+/// Refuses what is said of one layer in two ways; false: the elements themselves are of two materials there. Springs
+/// that know nothing of each other may differ from contact to contact, but not where they stand on the same facets.
 bool agree(const ModelParts& parts, const std::vector<ContactPair>& contacts, const Side& a, const Side& b) {
   const JointModel& model = parts.model;
   const ContactPair &one = contacts[at(a.contact)], &two = contacts[at(b.contact)];
   const std::string &first = model.surfaces[at(a.layer->surface)].name,
                     &second = model.surfaces[at(b.layer->surface)].name;
-  const auto refuse = [&](const char* what, const char* setting, double x, double y) {
+  const auto refuse = [&](const Sentence& what, const char* setting, bool of_surface = true) {
+    const NamedSetting of_first = {setting, of_surface ? first : "", "VALUE"};
     throw fault_at(model, two.origin,
-                   say("contacts \"{}\" and \"{}\" press one layer (surfaces \"{}\", \"{}\"), and its {} is {:.4g} for "
-                       "the one and {:.4g} for the other;",
-                       one.name, two.name, first, second, what, x, y),
-                   first == second ? say("give one value with {}", NamedSetting{setting, first, "VALUE"})
-                                   : say("give both the same with {} and {}", NamedSetting{setting, first, "VALUE"},
-                                         NamedSetting{setting, second, "VALUE"}));
+                   say("contacts {} and {} press one layer ({}), and {};", in_quotes(one.name), in_quotes(two.name),
+                       surfaces_of(first, second), what),
+                   !of_surface || first == second
+                       ? say("give one for both with {}", of_first)
+                       : say("give both the same with {} and {}", of_first, NamedSetting{setting, second, "VALUE"}));
   };
+  const auto differ = [&](const char* what, const char* setting, double x, double y) {
+    refuse(say("its {} is {:.4g} for the one and {:.4g} for the other", what, x, y), setting);
+  };
+  const bool coupled = one.law == Law::Layer || two.law == Law::Layer, same_facets = meet(a.selected, b.selected);
+  if (!coupled && !same_facets) return true;
+  if (coupled && one.law != two.law)
+    refuse(say("the law is {} for the one and {} for the other", name(one.law), name(two.law)), "law", false);
   const auto said = [&](const Side& side) {
     const GivenLayer given =
         given_layer(model, parts.settings, model.contacts[at(contacts[at(side.contact)].contact)], side.side);
@@ -122,24 +137,34 @@ bool agree(const ModelParts& parts, const std::vector<ContactPair>& contacts, co
   };
   const Elasticity &E_a = a.layer->elasticity, &E_b = b.layer->elasticity;
   if (E_a.E != E_b.E || E_a.nu != E_b.nu) {
-    if (!said(a) && !said(b) && !meet(a.selected, b.selected)) return false;
-    if (E_a.E != E_b.E) refuse("E", "E", E_a.E, E_b.E);
-    refuse("nu", "nu", E_a.nu, E_b.nu);
+    if (!said(a) && !said(b) && !same_facets) return false;
+    if (E_a.E != E_b.E) differ("E", "E", E_a.E, E_b.E);
+    differ("nu", "nu", E_a.nu, E_b.nu);
   }
-  if (one.refine != two.refine) refuse("division", "refine", one.refine, two.refine);
-  constexpr double kAlike = 0.05;  // normals at a selection's rim know the facets on one side only
+  if (coupled && one.refine != two.refine)
+    refuse(say("triangles are divided by {} for the one and by {} for the other", one.refine, two.refine), "refine",
+           false);
+  const Layer &la = *a.layer, &lb = *b.layer;
+  if (la.thickness_scale != lb.thickness_scale)
+    differ("thickness-scale", "thickness-scale", la.thickness_scale, lb.thickness_scale);
+  if (la.thickness_given != lb.thickness_given)
+    refuse(say("its thickness is given for {} and measured for {}", in_quotes(la.thickness_given ? first : second),
+               in_quotes(la.thickness_given ? second : first)),
+           "thickness");
+  if (!la.thickness_given) return true;
+  constexpr double kAlike = 0.05;
+  const auto [least_a, most_a] = std::minmax_element(la.thickness.begin(), la.thickness.end());
+  const auto [least_b, most_b] = std::minmax_element(lb.thickness.begin(), lb.thickness.end());
+  if (*least_a == *most_a && *least_b == *most_b && *least_a != *least_b)
+    differ("thickness", "thickness", *least_a, *least_b);
   std::map<int, double> of_node;
-  const SurfaceMesh &mesh_a = a.layer->spring_surface(), &mesh_b = b.layer->spring_surface();
-  for (std::size_t v = 0; v < mesh_a.model_nodes.size(); ++v) of_node[mesh_a.model_nodes[v]] = a.layer->thickness[v];
-  const auto by_user = [](const Layer& l) {
-    return l.thickness_given || l.thickness_scale != 1.0 || !l.thickness_from.empty();
-  };
-  if (!by_user(*a.layer) && !by_user(*b.layer)) return true;
+  const SurfaceMesh &mesh_a = la.spring_surface(), &mesh_b = lb.spring_surface();
+  for (std::size_t v = 0; v < mesh_a.model_nodes.size(); ++v) of_node[mesh_a.model_nodes[v]] = la.thickness[v];
   for (std::size_t v = 0; v < mesh_b.model_nodes.size(); ++v) {
     const auto other = of_node.find(mesh_b.model_nodes[v]);
-    const double t = b.layer->thickness[v];
+    const double t = lb.thickness[v];
     if (other != of_node.end() && std::abs(t - other->second) > kAlike * std::max(t, other->second))
-      refuse("thickness", "thickness", other->second, t);
+      differ("thickness", "thickness", other->second, t);
   }
   return true;
 }

@@ -8,7 +8,6 @@
 #include "src/base/parallel.h"
 #include "src/results/headline.h"
 #include "src/springs/gaps.h"
-#include "src/springs/press.h"
 #include "src/springs/spring_law.h"
 
 namespace dea {
@@ -194,11 +193,10 @@ struct ContactAt {
   }
 };
 
-/// A contact that is not active in this step: geometry only, no pressure.
+/// A contact that is not active in this step: geometry only, no overlap that would show as one.
 SpringStates inactive_springs(const SpringBed& bed, const Pose& source, const Pose& target) {
-  SpringStates s = press_springs(bed, source, target);
-  for (auto* values : {&s.pressure, &s.overlap, &s.strain_source, &s.strain_target})
-    std::fill(values->begin(), values->end(), 0.0);
+  SpringStates s = find_gaps(bed, source, target);
+  std::fill(s.overlap.begin(), s.overlap.end(), 0.0);
   return s;
 }
 

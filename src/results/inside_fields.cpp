@@ -111,8 +111,7 @@ LookedInto look_inside(const InsideMap& map, const std::vector<SpringBed>& beds,
       SpringStates pressed = states;  // of the others nobody asks what they would press
       for (int i = 0; i < pressed.size(); ++i)
         if (!(pressed.pressure[at(i)] > 0)) pressed.triangle[at(i)] = -1;
-      feet = feet_on_target(bed, pressed, e.poses[at(bed.source_body)], e.poses[at(bed.target_body)],
-                            *std::max_element(states.overlap.begin(), states.overlap.end()));
+      feet = feet_on_target(bed, pressed, e.poses[at(bed.source_body)], e.poses[at(bed.target_body)], kInfinity);
     }
     for (int i = 0; i < feet.size() && !result.pressed.empty(); ++i)
       for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
@@ -416,7 +415,7 @@ InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const S
       results.contacts[c][at(side)] =
           side_results(layer, bed_layer(beds.beds[c], side), looked[k].inside,
                        looked[k].pressed.empty() ? std::vector<char>{} : looked[k].pressed[at(use)]);
-      if (use == 0) shown.show(of, states_inside(looked[k].inside, of.places), e.poses[at(layer.body)].rotation);
+      shown.show(of, states_inside(looked[k].inside, of.places), e.poses[at(layer.body)].rotation);
     }
   for (std::size_t d = 0; d < maps.domains.size(); ++d) {
     const std::ptrdiff_t from = maps.first[d], to = d + 1 < maps.first.size() ? maps.first[d + 1] : maps.elements;

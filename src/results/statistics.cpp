@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "src/base/numbers.h"
 #include "src/geometry/coincident.h"
@@ -60,6 +61,26 @@ struct FootGrid {
   }
 };
 
+/// The edges of surfaces of the same body that other contacts have against the layer that this side presses, by their
+/// nodes, the lesser first: the body goes on pressing there.
+std::set<std::array<int, 2>> pressed_by_neighbours(const Joint& joint, std::size_t contact, int side) {
+  std::set<std::array<int, 2>> edges;
+  const ContactPair& own = joint.contacts[contact];
+  const int layer = place_in_shared_layer(joint, own, 1 - side).layer;
+  if (layer < 0) return edges;
+  for (const LayerUse& use : joint.shared_layers[at(layer)].uses) {
+    const Layer& bare = joint.contacts[at(use.contact)].layers[1 - use.side];
+    if (at(use.contact) == contact || bare.body != own.layers[side].body) continue;
+    for (const auto& corners : bare.articular.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int a = bare.articular.model_nodes[at(corners[k])],
+                  b = bare.articular.model_nodes[at(corners[(k + 1) % 3])];
+        edges.insert({std::min(a, b), std::max(a, b)});
+      }
+  }
+  return edges;
+}
+
 /// Of side `side` of a contact. Pressed: more than `above`.
 PressedRim pressed_rim(const Joint& joint, const Equilibrium& e, std::size_t contact, int side, double above) {
   const ContactPair& pair = joint.contacts[contact];
@@ -84,7 +105,12 @@ PressedRim pressed_rim(const Joint& joint, const Equilibrium& e, std::size_t con
   };
   const Pose& other = e.poses[at(partner.body)];
   const double depth = partner.max_thickness();
+  const std::set<std::array<int, 2>> others = pressed_by_neighbours(joint, contact, side);
   for (const BareRimEdge& edge : layer.bare_rim) {
+    const auto& corners = mesh.triangles[at(edge.triangle)];
+    const int from = mesh.model_nodes[at(corners[at(edge.edge)])],
+              to = mesh.model_nodes[at(corners[at((edge.edge + 1) % 3)])];
+    if (others.count({std::min(from, to), std::max(from, to)}) > 0) continue;
     const Vector3d a = now(layer, mesh.corner(edge.triangle, edge.edge)),
                    b = now(layer, mesh.corner(edge.triangle, (edge.edge + 1) % 3)),
                    normal = e.poses[at(layer.body)].rotation * mesh.normals[at(edge.triangle)],
@@ -278,11 +304,36 @@ void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2
   }
 }
 
-double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above) {
+EdgePressures pressed_beside(const Joint& joint, const std::vector<ContactFields>& fields, int contact, int side) {
+  EdgePressures beside;
+  const int layer = place_in_shared_layer(joint, joint.contacts[at(contact)], side).layer;
+  if (layer < 0) return beside;
+  for (const LayerUse& use : joint.shared_layers[at(layer)].uses) {
+    const SurfaceMesh& mesh = joint.contacts[at(use.contact)].layers[use.side].articular;
+    const std::vector<double>& pressure = fields[at(use.contact)].sides[use.side].pressure;
+    for (int t = 0; t < mesh.size() && use.contact != contact && !pressure.empty(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& corners = mesh.triangles[at(t)];
+        const int a = mesh.model_nodes[at(corners[k])], b = mesh.model_nodes[at(corners[(k + 1) % 3])];
+        double& most = beside[{std::min(a, b), std::max(a, b)}];
+        most = std::max(most, pressure[at(mesh.facet[at(t)])]);
+      }
+  }
+  return beside;
+}
+
+double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above,
+                                const EdgePressures& beside) {
+  constexpr double kAlike = 0.5;
   if (layer.face.mesh.size() == 0 || pressure.empty()) return 0.0;
   double length = 0.0;
   for (const SelectionEdge& e : selection_rim(layer.face)) {
-    if (!e.goes_on || !(pressure[at(layer.articular.facet[at(e.edge.triangle)])] > above)) continue;
+    const double own = pressure[at(layer.articular.facet[at(e.edge.triangle)])];
+    if (!(e.goes_on || e.edge.shared) || !(own > above)) continue;
+    const auto& nodes = layer.face.mesh.model_nodes;
+    const int a = nodes[at(e.vertices[0])], b = nodes[at(e.vertices[1])];
+    const auto beyond = beside.find({std::min(a, b), std::max(a, b)});
+    if (beyond != beside.end() && beyond->second >= kAlike * own) continue;
     const auto& x = layer.face.mesh.vertices;
     length += (x[at(e.vertices[0])] - x[at(e.vertices[1])]).norm();
   }

@@ -1,6 +1,7 @@
 // src/results/statistics.h – the numbers that sum up a contact's results.
 #pragma once
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,10 +82,17 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
 void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2> inside, ContactFields& fields,
                 ContactStatistics& statistics);
 
+/// Pressures by the nodes of an edge, the lesser first.
+using EdgePressures = std::map<std::array<int, 2>, double>;
+/// What other contacts press beside the edges of side `side` of a contact, on facets of the same layer.
+EdgePressures pressed_beside(const Joint& joint, const std::vector<ContactFields>& fields, int contact, int side);
+
 /// Where the selection of a layer's facets ends under pressure though the cartilage goes on: length of its rim beside
 /// facets that carry more than `above`. `pressure`: per facet, SideFields::pressure. There the pressure is that of an
-/// edge of the selection, as under a punch.
-double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above);
+/// edge of the selection, as under a punch; not where another contact presses the facet beyond with half as much or
+/// more (`beside`).
+double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above,
+                                const EdgePressures& beside = {});
 
 /// How many facets wide contact is at its widest: twice the greatest distance of a pressed facet's edges from where
 /// contact ends, over the mean size of the pressed facets, sqrt(2 area) of their triangles. A strip has its width,

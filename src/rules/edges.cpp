@@ -76,10 +76,15 @@ Findings force_at_edge(const JointModel& model, const Joint& joint, const Solved
 /// Selections that end under pressure though the cartilage goes on.
 Findings pressed_selection(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
-  for (const JudgedSide& s : judged_sides(model, joint, result)) {
-    const double length = pressed_end_of_selection(s.layer, s.fields.pressure, kFelt * s.statistics.peak);
-    if (length > 2 * s.layer.facet_size() * s.layer.mean_thickness())
-      found.push_back({"selection-ends-under-pressure", s.subject, {{"length", length}}});
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    const int contact = static_cast<int>(&c.pair - joint.contacts.data());
+    for (const int side : {0, 1}) {
+      const Layer& layer = c.pair.layers[side];
+      const double length = pressed_end_of_selection(layer, c.fields.sides[side].pressure, kFelt * c.statistics.peak,
+                                                     pressed_beside(joint, c.state.fields, contact, side));
+      if (length > 2 * layer.facet_size() * layer.mean_thickness())
+        found.push_back({"selection-ends-under-pressure", c.subject(model, layer), {{"length", length}}});
+    }
   }
   return found;
 }

@@ -93,7 +93,7 @@ Table layers_table(const Joint& joint, const std::vector<StateResult>& states, c
   Table table;
   table.headings = {"time", "surfaces", "body"};
   for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
-  table.headings.push_back(with_unit("force", units, Dimension::Force));
+  table.headings.push_back(with_unit("sum of p A", units, Dimension::Force));
   table.left = "rll" + std::string(table.headings.size() - 3, 'r');
   for (const StateResult& state : states)
     for (std::size_t k = 0; k < state.layers.size(); ++k) {
@@ -284,7 +284,9 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
   if (Table compartments = compartments_table(joint, analysis.states, units); !compartments.rows.empty())
     tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
   if (Table layers = layers_table(joint, analysis.states, units); !layers.rows.empty())
-    tables.push_back({"layers that several contacts press; pressures and forces of all of them", std::move(layers)});
+    tables.push_back(
+        {"layers that several contacts press: of the maps on their own surfaces, with the pressures of all",
+         std::move(layers)});
   if (Table inside = inside_table(joint, analysis.states, units); !inside.rows.empty())
     tables.push_back(
         {"inside the cartilage, where it is pressed; third principal strain: the least", std::move(inside)});
