@@ -261,7 +261,15 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   std::vector<std::string> held = held_in_words(problem, s);
   const bool unstable = is_unstable(problem, s);
   const int idle = solved(s.outcome) ? -1 : unloaded_body(problem, s.at);
+  const double left = scaled_residual(problem, s.at).norm(), load = s.at.load;
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s);
+  constexpr double kMostLeft =
+      0.05;  // what roughness leaves along a held direction is 1 %, as its moment three times that
+  if (solved(result.outcome) && left > kMostLeft * load) {
+    result.outcome = Outcome::NotConverged;
+    result.message = fmt::format(
+        "{:.0f}% of the load is left along motions that little but the facets' roughness resists", 100 * left / load);
+  }
   if (idle >= 0 && result.outcome != Outcome::BeyondStrainLimit) say_unloaded(problem, idle, result);
   say_inactive(problem, result);
   result.least_stiffness = s.directions.least_stiffness;

@@ -29,6 +29,15 @@ VectorXd moment_of(const Problem& problem, const Evaluation& e, const VectorXd& 
   return moment.norm() > 0.3 ? VectorXd(moment.normalized()) : u;
 }
 
+/// The first, unless it lies nearly within what the columns of `others` span: then they would lose a component that
+/// neither of them has, as two rotations about axes side by side lose the moment across. Else the second.
+VectorXd apart_from(const MatrixXd& others, const VectorXd& first, const VectorXd& second) {
+  constexpr double kApart = 0.5;
+  if (others.cols() == 0) return first;
+  const MatrixXd q = orthonormal_columns(others);
+  return (first - q * (q.transpose() * first)).norm() > kApart ? first : second;
+}
+
 /// Newton's step where the columns of `held` are kept still and those of `left_unbalanced` need not balance:
 /// K x + left_unbalanced y = r, held^T x = 0.
 VectorXd bordered_step(const Sparse& K, const MatrixXd& left_unbalanced, const MatrixXd& held, const VectorXd& r) {
@@ -204,7 +213,7 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
     if (std::abs(along) <= std::max(1e-7 * e.load, most)) {
       left += along * along;
       d.held.push_back(v);
-      s.lost.col(lost) = moment_of(problem, e, u);
+      s.lost.col(lost) = apart_from(s.lost.leftCols(lost), moment_of(problem, e, u), u);
     } else {
       d.drift += v * along;
       s.lost.col(lost) = u;
