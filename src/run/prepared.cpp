@@ -1,6 +1,7 @@
 #include "src/run/prepared.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "src/base/numbers.h"
@@ -44,31 +45,54 @@ Equilibrium solve(const Prepared& prepared, const LoadCase& load_case, const Sta
   return solve_equilibrium(prepared.joint, prepared.beds, load_case, start.poses, start.step_poses, options, memory);
 }
 
+namespace {
+
+/// The steps in which contacts of a group act by themselves; one of none: all act at all times.
+std::vector<int> steps_of(const Joint& joint, const std::vector<int>& group) {
+  std::set<int> steps;
+  for (const int c : group)
+    if (joint.contacts[at(c)].step >= 0) steps.insert(joint.contacts[at(c)].step);
+  if (steps.empty()) steps.insert(-1);
+  return {steps.begin(), steps.end()};
+}
+
+}  // namespace
+
 Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const PressOptions& options,
               std::vector<PressMemory>* memory) {
   const SpringBeds& beds = prepared.beds;
+  const Joint& joint = prepared.joint;
   const std::size_t contacts = beds.beds.size();
   if (memory) memory->resize(beds.groups.size());
   Pressed result;
-  result.on_body.assign(prepared.joint.bodies.size(), Vector6::Zero());
+  result.on_body.assign(joint.bodies.size(), Vector6::Zero());
   result.contacts.resize(contacts);
+  const auto take = [&](std::size_t c, PressedContact&& pressed) {
+    const ContactWrench& wrench = pressed.wrench;
+    const int target = beds.beds[c].target_body;
+    PressedSprings& contact = result.contacts[c];
+    contact.springs = std::move(pressed.springs);
+    contact.on_target = wrench.wrench.head<6>();
+    contact.on_source = wrench.wrench.tail<6>();
+    contact.derivative = wrench.derivative.topLeftCorner<6, 6>();
+    for (const ContactWrench::Cross& other : wrench.cross) {  // the target may be a body of these too
+      if (other.bodies.target == target) contact.derivative += other.derivative.topLeftCorner<6, 6>();
+      if (other.bodies.source == target) contact.derivative += other.derivative.topRightCorner<6, 6>();
+    }
+    contact.normal_force = wrench.normal_force;
+  };
   for (std::size_t g = 0; g < beds.groups.size(); ++g) {
-    std::vector<PressedContact> group =
-        press_group(beds, beds.groups[g], poses, std::vector<Motions>(contacts, options.motions),
-                    std::vector<char>(contacts, 1), options, memory ? &(*memory)[g] : nullptr);
-    for (std::size_t k = 0; k < group.size(); ++k) {
-      const ContactWrench& wrench = group[k].wrench;
-      const int target = beds.beds[at(beds.groups[g][k])].target_body;
-      PressedSprings& contact = result.contacts[at(beds.groups[g][k])];
-      contact.springs = std::move(group[k].springs);
-      contact.on_target = wrench.wrench.head<6>();
-      contact.on_source = wrench.wrench.tail<6>();
-      contact.derivative = wrench.derivative.topLeftCorner<6, 6>();
-      for (const ContactWrench::Cross& other : wrench.cross) {  // the target may be a body of these too
-        if (other.bodies.target == target) contact.derivative += other.derivative.topLeftCorner<6, 6>();
-        if (other.bodies.source == target) contact.derivative += other.derivative.topRightCorner<6, 6>();
-      }
-      contact.normal_force = wrench.normal_force;
+    const std::vector<int>& group = beds.groups[g];
+    const std::vector<int> steps = steps_of(joint, group);
+    for (const int step : steps) {  // those that never act together do not press each other
+      std::vector<char> active(contacts, 1);
+      for (const int c : group) active[at(c)] = at_same_time(joint.contacts[at(c)].step, step);
+      std::vector<PressedContact> pressed =
+          press_group(beds, group, poses, std::vector<Motions>(contacts, options.motions), active, options,
+                      memory ? &(*memory)[g] : nullptr);
+      for (std::size_t k = 0; k < group.size(); ++k)
+        if (active[at(group[k])] && (joint.contacts[at(group[k])].step == step || step == steps.back()))
+          take(at(group[k]), std::move(pressed[k]));
     }
   }
   for (std::size_t c = 0; c < contacts; ++c) {
@@ -76,6 +100,12 @@ Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const Pr
     result.on_body[at(beds.beds[c].source_body)] += result.contacts[c].on_source;
   }
   return result;
+}
+
+PressedTwice pressed_twice(const Prepared& prepared, const Pressed& pressed, const std::vector<Pose>& poses) {
+  std::vector<SpringStates> springs;
+  for (const PressedSprings& contact : pressed.contacts) springs.push_back(contact.springs);
+  return pressed_twice(prepared.joint, prepared.beds, springs, poses);
 }
 
 }  // namespace dea

@@ -361,9 +361,7 @@ TEST(SharedLayers, PressedByTwoAtOnceIsNoSolution) {
         const Equilibrium& e = run.states.back().equilibrium;
         EXPECT_EQ(e.outcome, apart == 0 ? Outcome::PressedTwice : Outcome::Prescribed) << e.message;
         const Prepared joint = prepared(slab.model, settings);
-        std::vector<SpringStates> springs;
-        for (PressedSprings& contact : pressed(joint).contacts) springs.push_back(std::move(contact.springs));
-        const PressedTwice twice = pressed_twice(joint.joint, joint.beds, springs, e.poses);
+        const PressedTwice twice = pressed_twice(joint, pressed(joint), e.poses);
         // all of it, but for facets that are pressed in part
         EXPECT_NEAR(twice.share, apart == 0 ? 1 : 0, 0.07);
         EXPECT_EQ(twice.contacts.size(), apart == 0 ? 2u : 0u);
@@ -418,8 +416,63 @@ TEST(SharedLayers, WhatIsSaidInTwoWaysIsRefused) {
   EXPECT_NE(refused(slab.model, settings).find("its nu is 0.45 for the one and 0.4"), std::string::npos);
   settings = {};
   settings.thickness["left"] = 1;
-  EXPECT_NE(refused(slab.model, settings).find("its thickness is 1 for the one and 2"), std::string::npos)
+  EXPECT_NE(refused(slab.model, settings).find("its thickness is given for \"left\" and measured for \"right\""),
+            std::string::npos)
       << refused(slab.model, settings);
+  settings.thickness["right"] = 2;
+  EXPECT_NE(refused(slab.model, settings).find("its thickness is 1 for the one and 2 for the other"), std::string::npos)
+      << refused(slab.model, settings);
+  settings.law = Law::Linear;  // springs know nothing of each other
+  EXPECT_EQ(refused(slab.model, settings), "");
+}
+
+// Contacts of different steps do not press each other; what presses in all steps goes with those of the last.
+TEST(SharedLayers, ContactsOfDifferentStepsDoNotMeet) {
+  const auto forces = [](const std::vector<int>& steps) {
+    Slab slab;
+    slab.model.steps.push_back(slab.model.steps.front());
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const std::string name = std::to_string(k);
+      const double x[3] = {-3.6, 3.6, 3.6};
+      slab.contact(name, slab.add_ball(name, {x[k], 0.05}, slab.add_body(name)), true);
+      slab.model.contacts.back().step = steps[k];
+    }
+    std::vector<double> all;
+    for (const PressedSprings& contact : pressed(prepared(slab.model)).contacts) all.push_back(contact.normal_force);
+    return all;
+  };
+  const double alone = forces({0})[0], beside = forces({-1, -1})[0];
+  EXPECT_GT(std::abs(beside / alone - 1), 1e-3);
+  const std::vector<double> apart = forces({0, 1}), three = forces({-1, 0, 1});
+  EXPECT_NEAR(apart[0] / alone, 1, 1e-9);
+  EXPECT_NEAR(three[0] / beside, 1, 1e-9);
+  EXPECT_NEAR(three[1] / three[2], 1, 1e-9);
+}
+
+// A selection that ends under pressure is told, unless another contact presses the facets beyond alike.
+TEST(SharedLayers, EndsOfSelectionsAreToldWhereNobodyPressesBeyond) {
+  for (const bool both : {true, false}) {
+    Slab slab;
+    const Surface whole = slab.model.surfaces[at(slab.layer)];
+    const int ball = slab.add_body("ball"), surface = slab.add_ball("ball", {0, 0.05}, ball),
+              other = slab.add_ball("other", {0, -5}, slab.add_body("other"));
+    for (const bool right : {false, true}) {
+      std::vector<int> nodes;
+      for (int f = 0; f < whole.size(); ++f) {
+        double x = 0;
+        for (int k = 4 * f; k < 4 * f + 4; ++k) x += slab.model.nodes[at(whole.nodes[at(k)])].x();
+        if ((x > 0) == right) nodes.insert(nodes.end(), whole.nodes.begin() + 4 * f, whole.nodes.begin() + 4 * f + 4);
+      }
+      test::add_contact(slab.model, right ? "right" : "left", add_surface(slab.model, right ? "r" : "l", nodes),
+                        right && !both ? other : surface);
+    }
+    for (const int body : slab.body) fix(slab.model, body, {true, true, true, true, true, true});
+    const Analysis run = analyse(slab.model, {});
+    const Findings found = findings_of(slab.model, run);
+    const auto told = std::count_if(found.begin(), found.end(),
+                                    [](const Finding& f) { return f.code == "selection-ends-under-pressure"; });
+    EXPECT_EQ(told, both ? 0 : 1);
+  }
 }
 
 // What is selected in two halves is one layer: each half's contact has what the whole surface's would.
