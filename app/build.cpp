@@ -136,7 +136,17 @@ int build(const BuildArguments& a) {
                     a.hip_figure));
   add_findings(anatomy.findings, report.findings);
   progress.now("cartilage", "", "cartilage and its mesh");
-  BuiltJoint joint = build_joint(inputs.request, report);
+  const auto built = [&] {
+    try {
+      return build_joint(inputs.request, report);
+    } catch (const InputError&) {  // what was done before may be why: a bone that was placed elsewhere
+      progress.clear();
+      for (const std::string& finding : report.findings)
+        if (!a.quiet) log("note: " + finding);
+      throw;
+    }
+  };
+  BuiltJoint joint = built();
   count_motion_from_centers(joint);
   choose_dofs(inputs.request, joint, report);
 

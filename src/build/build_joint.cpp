@@ -471,8 +471,9 @@ double joint_reach(const BuildReport& report, double reach) {
   return reach;
 }
 
-/// How each layer comes to its end.
+/// How each layer comes to its end, but those whose surface thins out by itself.
 void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport& report) {
+  constexpr double kThinRim = 0.15;  // of the mean thickness
   for (std::size_t l = 0; l < joint.layers.size(); ++l) {
     LayerReport& r = report.layers[l];
     if (joint.layers[l].bare) continue;
@@ -483,7 +484,7 @@ void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport
           "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} ({})", joint.layers[l].name, r.fade,
           r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end",
           request.wording({"fade"})));
-    else
+    else if (r.rim.thickness > kThinRim * r.quality.mean_thickness)
       report.findings.push_back(
           fmt::format("{}: ends at its rim, {:.3g} thick in the mean there; where it is pressed there, patches of "
                       "pressure follow the "

@@ -104,11 +104,13 @@ void choose_dofs(const BuildRequest& request, BuiltJoint& joint, BuildReport& re
     if (body.fixed) continue;
     Choice choice{body.held, "as given"};
     if (!asked.dofs_given) choice = choice_for(request, joint, static_cast<int>(b));
-    DofFlags free = {};
+    DofFlags free = {}, by_user = {};
     for (std::size_t k = 0; k < kDofs; ++k) {
-      body.held[k] = choice.held[k] || (asked.hold[k] && !body.moved[k]);
+      by_user[k] = asked.hold[k] && !body.moved[k];
+      body.held[k] = choice.held[k] || by_user[k];
       free[k] = body.free(k);
     }
+    if (!asked.dofs_given && by_user != DofFlags{}) choice.why += fmt::format("; {} held as given", dof_names(by_user));
     const std::string moved =
         body.motion.empty() ? "" : fmt::format("moved in {} by the table of motion", dof_names(body.moved));
     const bool table_alone = !moved.empty() && free == DofFlags{};
