@@ -123,7 +123,8 @@ int build(const BuildArguments& a) {
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
   report.findings = read_loads(inputs);
-  add_findings(read_placements(a, inputs), report.findings);
+  const std::vector<std::string> placed = read_placements(a, inputs);
+  add_findings(placed, report.findings);
   add_findings(read_surfaces(a, inputs), report.findings);
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
@@ -139,9 +140,9 @@ int build(const BuildArguments& a) {
   const auto built = [&] {
     try {
       return build_joint(inputs.request, report);
-    } catch (const InputError&) {  // what was done before may be why: a bone that was placed elsewhere
+    } catch (const InputError&) {  // a bone that was placed elsewhere may be why
       progress.clear();
-      for (const std::string& finding : report.findings)
+      for (const std::string& finding : placed)
         if (!a.quiet) log("note: " + finding);
       throw;
     }

@@ -265,7 +265,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s);
   constexpr double kMostLeft =
       0.05;  // what roughness leaves along a held direction is 1 %, as its moment three times that
-  if (solved(result.outcome) && left > kMostLeft * load) {
+  if (solved(result.outcome) && load > 1e-9 * problem.beds.stiffest && left > kMostLeft * load) {
     result.outcome = Outcome::NotConverged;
     result.message = fmt::format(
         "{:.0f}% of the load is left along motions that little but the facets' roughness resists", 100 * left / load);

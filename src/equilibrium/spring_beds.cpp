@@ -59,6 +59,7 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;
+      if (!layer.rigid) beds.stiffest = std::max(beds.stiffest, layer.elasticity.E * extent.area);
       inertia += extent.area * extent.radius_of_gyration * extent.radius_of_gyration;
       for (const Vector3d& x : layer.articular.vertices)
         beds.reach = std::max(beds.reach, (x - joint.bodies[at(layer.body)].center_of_mass).norm());

@@ -16,6 +16,7 @@ struct SpringBeds {
   std::vector<std::vector<int>> groups;
   double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
+  double stiffest = 0.0;         ///< modulus times area of the stiffest layer: what forces are nothing against
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
 };
 /// `stop`: looked at between the contacts; throws Stopped.
