@@ -177,6 +177,13 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
   return text.empty() ? "none" : text;
 }
 
+std::string and_list(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
+  return text;
+}
+
 std::string number_list(const std::vector<int>& numbers, std::size_t most) {
   std::string text;
   for (std::size_t i = 0; i < std::min(most, numbers.size()); ++i) text += (i ? ", " : "") + std::to_string(numbers[i]);

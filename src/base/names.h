@@ -48,6 +48,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
 
+/// "a, b and c": the words as they are.
+std::string and_list(const std::vector<std::string>& words);
+
 /// The names of bodies, surfaces and whatever else has one.
 template <class Things>
 std::vector<std::string> every_name(const Things& things) {

@@ -50,18 +50,13 @@ void judge_shared_layers(const Problem& problem, Equilibrium& result) {
   if (!solved(result.outcome)) return;
   const PressedTwice twice = pressed_twice(problem.joint, problem.beds, result.springs, result.poses);
   if (!(twice.share > kMostTwice)) return;
-  std::string names;
-  for (const int c : twice.contacts)
-    names += fmt::format("{}\"{}\"",
-                         names.empty()                ? ""
-                         : c == twice.contacts.back() ? " and "
-                                                      : ", ",
-                         problem.joint.contacts[at(c)].name);
+  std::vector<std::string> names;
+  for (const int c : twice.contacts) names.push_back(in_quotes(problem.joint.contacts[at(c)].name));
   result.outcome = Outcome::PressedTwice;
   result.message = fmt::format(
-      "contacts {} press {:.3g} of one layer at once, with {:.3g}, {:.0f}% of the force on it: their "
-      "partners run through each other there, and the load counts twice;",
-      names, twice.area, twice.force, 100 * twice.share);
+      "contacts {} press {:.3g} of one layer at once, with {:.3g}, {:.0f}% of the force on it: their partners run "
+      "through each other there, or are the same, and the load counts twice;",
+      and_list(names), twice.area, twice.force, 100 * twice.share);
   result.advice = "keep the partners apart, or give each contact facets of its own";
 }
 

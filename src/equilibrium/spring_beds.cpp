@@ -32,9 +32,10 @@ std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
     for (const BedLayer* of : {&beds[at(b)].layers->source, &beds[at(b)].layers->target})
       if (of->layer) sets.join(first.emplace(of->layer.get(), b).first->second, b);
   }
+  const std::vector<int> numbers = sets.numbers();
   std::vector<std::vector<int>> groups;
   for (int b = 0; b < static_cast<int>(beds.size()); ++b) {
-    const int group = sets.numbers()[at(b)];
+    const int group = numbers[at(b)];
     if (at(group) == groups.size()) groups.emplace_back();
     groups[at(group)].push_back(b);
   }
@@ -46,6 +47,14 @@ std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
 }
 
 }  // namespace
+
+double stiffest_layer(const Joint& joint) {
+  double most = 0.0;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
+  return most;
+}
 
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
   SpringBeds beds;
@@ -59,7 +68,6 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;
-      if (!layer.rigid) beds.stiffest = std::max(beds.stiffest, layer.elasticity.E * extent.area);
       inertia += extent.area * extent.radius_of_gyration * extent.radius_of_gyration;
       for (const Vector3d& x : layer.articular.vertices)
         beds.reach = std::max(beds.reach, (x - joint.bodies[at(layer.body)].center_of_mass).norm());
@@ -70,6 +78,7 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
     }
   }
   beds.groups = groups_of(beds.beds);
+  beds.stiffest = stiffest_layer(joint);
   beds.length = area > 0 ? std::sqrt(inertia / area) : 1.0;
   return beds;
 }

@@ -16,11 +16,14 @@ struct SpringBeds {
   std::vector<std::vector<int>> groups;
   double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
-  double stiffest = 0.0;         ///< modulus times area of the stiffest layer: what forces are nothing against
+  double stiffest = 0.0;         ///< stiffest_layer
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
 };
 /// `stop`: looked at between the contacts; throws Stopped.
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop = nullptr);
+
+/// What a load is measured against: modulus times area of the stiffest layer.
+double stiffest_layer(const Joint& joint);
 
 /// What springs and ligaments do at one set of poses.
 struct PosedSprings {

@@ -67,10 +67,7 @@ std::string components(const NodeMotion& motion, int state) {
   for (std::size_t k = 0; k < 3; ++k)
     if (std::any_of(motion.begin(), motion.end(), [&](const auto& step) { return step[k] == state; }))
       names.push_back(std::string(1, static_cast<char>('x' + k)));
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
-  return text;
+  return and_list(names);
 }
 
 }  // namespace

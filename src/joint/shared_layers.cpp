@@ -269,17 +269,6 @@ SharedLayer share(const JointModel& model, std::vector<ContactPair>& contacts, c
   return shared;
 }
 
-/// "\"a\", \"b\" and \"c\"", each once.
-std::string listed(const std::set<std::string>& names) {
-  std::string list;
-  std::size_t i = 0;
-  for (const std::string& name : names) {
-    list += (i == 0 ? "\"" : i + 1 < names.size() ? ", \"" : " and \"") + name + "\"";
-    ++i;
-  }
-  return list;
-}
-
 Finding told(const JointModel& model, const std::vector<ContactPair>& contacts, const SharedLayer& shared) {
   std::set<std::string> names, surfaces;
   for (const LayerUse& use : shared.uses) {
@@ -288,7 +277,8 @@ Finding told(const JointModel& model, const std::vector<ContactPair>& contacts, 
   }
   return {"shared-layer",
           {.surface = *surfaces.begin()},
-          {{"contacts", listed(names)}, {"surfaces", listed(surfaces)}},
+          {{"contacts", std::vector<std::string>(names.begin(), names.end())},
+           {"surfaces", std::vector<std::string>(surfaces.begin(), surfaces.end())}},
           surfaces.size() > 1 ? 1 : 0};
 }
 

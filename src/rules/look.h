@@ -74,7 +74,5 @@ std::vector<JudgedSide> judged_sides(const JointModel& model, const Joint& joint
 
 /// Does nothing load a free body, and nothing press it? No forces but such as are none against `stiffest`.
 bool parted(const Equilibrium& e, double stiffest);
-/// What a load is measured against: modulus times area of the stiffest layer.
-double stiffest_layer(const Joint& joint);
 
 }  // namespace dea

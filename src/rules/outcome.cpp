@@ -97,14 +97,6 @@ const StateResult* passed_state(const Joint& joint, const SolvedStates& result, 
 
 std::string outcome_text(const Equilibrium& e, const Wording& wording) { return worded(outcome_sentence(e), wording); }
 
-double stiffest_layer(const Joint& joint) {
-  double most = 0.0;
-  for (const ContactPair& pair : joint.contacts)
-    for (const Layer& layer : pair.layers)
-      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
-  return most;
-}
-
 bool parted(const Equilibrium& e, double stiffest) {
   constexpr double kNothing = 1e-9;
   return e.outcome == Outcome::Balanced && e.load <= kNothing * stiffest;

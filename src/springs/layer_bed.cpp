@@ -138,8 +138,9 @@ struct Together {
   int index_of(const BedLayer& of) {
     if (!of.layer) return -1;
     const auto known = std::find(layers.begin(), layers.end(), of.layer.get());
+    const int index = static_cast<int>(known - layers.begin());
     if (known == layers.end()) layers.push_back(of.layer.get());
-    return static_cast<int>(std::find(layers.begin(), layers.end(), of.layer.get()) - layers.begin());
+    return index;
   }
 };
 

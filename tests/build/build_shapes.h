@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
+#include <string>
 
-#include "src/geometry/triangle_surface.h"
+#include "src/build/build_joint.h"
+#include "src/build/mend_surface.h"
 
 namespace dea::test {
 
@@ -66,6 +68,16 @@ inline TriangleSurface ball(int n, double radius) {
 inline TriangleSurface turned_over(TriangleSurface s) {
   for (auto& t : s.triangles) std::swap(t[1], t[2]);
   return s;
+}
+
+/// A bone of this mended surface, as dea build makes one.
+inline BoneRequest bone_request(const std::string& name, const TriangleSurface& surface) {
+  const MendedSurface mended = mend_surface(surface);
+  BoneRequest b;
+  b.name = name;
+  b.surface = mended.surface;
+  b.closed = mended.closed();
+  return b;
 }
 
 }  // namespace dea::test

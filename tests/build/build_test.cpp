@@ -27,15 +27,6 @@ namespace {
 
 using Way = CartilageRequest::Way;
 
-BoneRequest bone(const std::string& name, const TriangleSurface& surface) {
-  const MendedSurface mended = mend_surface(surface);
-  BoneRequest b;
-  b.name = name;
-  b.surface = mended.surface;
-  b.closed = mended.closed();
-  return b;
-}
-
 CartilageRequest cartilage(int on, Way way, double thickness = 0) {
   CartilageRequest c;
   c.bone = on;
@@ -89,7 +80,7 @@ double rest_in_a_lining(BuildRequest request, double polar, double load) {
 
 TEST(Build, HalfOfAPlaneParallelGapIsExact) {
   BuildRequest request;
-  request.bones = {bone("lower", square(9, 10, 0, true)), bone("upper", square(7, 10, 3, false))};
+  request.bones = {bone_request("lower", square(9, 10, 0, true)), bone_request("upper", square(7, 10, 3, false))};
   for (int b : {0, 1}) {
     request.cartilages.push_back(cartilage(b, Way::HalfGap));
     request.cartilages.back().most = 4;
@@ -110,7 +101,7 @@ TEST(Build, HalfOfAPlaneParallelGapIsExact) {
 TEST(Build, HalfAGapThinnerThanItsLeastIsTold) {
   for (const double gap : {0.6, 1.2}) {
     BuildRequest request;
-    request.bones = {bone("lower", square(9, 10, 0, true)), bone("upper", square(7, 10, gap, false))};
+    request.bones = {bone_request("lower", square(9, 10, 0, true)), bone_request("upper", square(7, 10, gap, false))};
     for (int b : {0, 1}) request.cartilages.push_back(cartilage(b, Way::HalfGap));
     request.fade = 0;
     BuildReport report;
@@ -145,7 +136,7 @@ TEST(Build, BallInALinedSocketConvergesToTheAnswerOnPaper) {
   std::vector<double> errors;
   for (const int n : {8, 16, 32}) {
     BuildRequest request;
-    request.bones = {bone("socket", cap(n, 24, 1.25 * polar, false)), bone("ball", ball(n, 20))};
+    request.bones = {bone_request("socket", cap(n, 24, 1.25 * polar, false)), bone_request("ball", ball(n, 20))};
     errors.push_back(rest_in_a_lining(request, polar, load) / exact - 1);
     RecordProperty(fmt::format("error_{}", n), fmt::format("{:.2e}", errors.back()));
   }
@@ -172,8 +163,8 @@ TEST(Build, RollerInALinedTroughConvergesToTheAnswerOnPaper) {
   std::vector<double> errors;
   for (const int n : {8, 16, 32}) {
     BuildRequest request;
-    request.bones = {bone("trough", tube(n, 24, -1.25 * polar, 1.25 * polar, length / 2, false)),
-                     bone("roller", tube(2 * n, 20, -2.5, 2.5, length, true))};
+    request.bones = {bone_request("trough", tube(n, 24, -1.25 * polar, 1.25 * polar, length / 2, false)),
+                     bone_request("roller", tube(2 * n, 20, -2.5, 2.5, length, true))};
     errors.push_back(rest_in_a_lining(request, polar, load) / exact - 1);
   }
   fmt::print("motion of the roller, relative error: {:.2e} {:.2e} {:.2e}\n", errors[0], errors[1], errors[2]);
@@ -184,7 +175,7 @@ TEST(Build, RollerInALinedTroughConvergesToTheAnswerOnPaper) {
 TEST(Build, SegmentedCartilageKeepsItsTriangles) {
   const TriangleSurface outer = cap(16, 22, 1.0, true);
   BuildRequest request;
-  request.bones = {bone("ball", ball(24, 20)), bone("socket", cap(16, 24, 1.0, false))};
+  request.bones = {bone_request("ball", ball(24, 20)), bone_request("socket", cap(16, 24, 1.0, false))};
   request.cartilages = {cartilage(0, Way::Segmented)};
   request.cartilages[0].outer = turned_over(outer);  // looks into the bone: turned back
   BuildReport report;
@@ -251,7 +242,7 @@ TEST(Build, AJointTakenApartAndBuiltAgainHasItsPressures) {
     return through_stl(folder.path / "face.stl", model, f->nodes, f->begin);
   };
   BuildRequest request;
-  request.bones = {bone("pelvis", shells("pelvis")), bone("femur", shells("femur"))};
+  request.bones = {bone_request("pelvis", shells("pelvis")), bone_request("femur", shells("femur"))};
   request.bones[1].fixed = false;
   request.bones[1].force = {432, -262, 1834};
   request.bones[1].center = Vector3d::Zero();
@@ -299,7 +290,7 @@ TEST(Build, OfAClosedCartilageTheSideAwayFromTheBoneIsTaken) {
   const MendedSurface mended = mend_surface(closed);
   ASSERT_TRUE(mended.closed());
   BuildRequest request;
-  request.bones = {bone("ball", ball(24, 20)), bone("socket", cap(16, 24, 1.0, false))};
+  request.bones = {bone_request("ball", ball(24, 20)), bone_request("socket", cap(16, 24, 1.0, false))};
   request.cartilages = {cartilage(0, Way::Segmented)};
   request.cartilages[0].outer = mended.surface;
   BuildReport report;
@@ -315,7 +306,7 @@ TEST(Build, TwoPlateausAreTwoLayersAndTwoContacts) {
   for (Vector3d x : one.points) lower.points.push_back(x + Vector3d(24, 0, 0));
   for (const auto& t : one.triangles) lower.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   BuildRequest request;
-  request.bones = {bone("femur", upper), bone("tibia", lower)};
+  request.bones = {bone_request("femur", upper), bone_request("tibia", lower)};
   request.cartilages = {cartilage(0, Way::Uniform, 1), cartilage(1, Way::Uniform, 1.5)};
   BuildReport report;
   const BuiltJoint joint = build_joint(request, report);
@@ -331,7 +322,7 @@ TEST(Build, InAGrooveNoElementIsInsideOut) {
     return Vector3d(x, 10 * v - 5, std::sqrt(1 + x * x) - 1);
   });
   BuildRequest request;
-  request.bones = {bone("valley", valley), bone("roller", square(10, 8, 12, false))};
+  request.bones = {bone_request("valley", valley), bone_request("roller", square(10, 8, 12, false))};
   request.cartilages = {cartilage(0, Way::Uniform, 2.5)};
   request.reach = 14;
   BuildReport report;
@@ -343,7 +334,7 @@ TEST(Build, InAGrooveNoElementIsInsideOut) {
 
 TEST(Build, CartilageMadeHereDoesNotOverlap) {
   BuildRequest request;
-  request.bones = {bone("lower", square(9, 10, 0, true)), bone("upper", square(7, 10, 3, false))};
+  request.bones = {bone_request("lower", square(9, 10, 0, true)), bone_request("upper", square(7, 10, 3, false))};
   request.cartilages = {cartilage(0, Way::Uniform, 2), cartilage(1, Way::Uniform, 2)};
   BuildReport report;
   const BuiltJoint joint = build_joint(request, report);
@@ -359,7 +350,7 @@ TEST(Build, AFilledRegionHasNoHoleAndAKeptOneHas) {
   });
   for (const bool fill : {true, false}) {
     BuildRequest request;
-    request.bones = {bone("lower", pit), bone("upper", square(20, 10, 3, false))};
+    request.bones = {bone_request("lower", pit), bone_request("upper", square(20, 10, 3, false))};
     request.cartilages = {cartilage(1, Way::Uniform, 1)};
     request.fill_holes = fill;
     request.reach = 5;

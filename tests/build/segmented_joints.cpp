@@ -9,6 +9,7 @@
 
 #include "src/base/numbers.h"
 #include "src/build/mend_surface.h"
+#include "tests/build/build_shapes.h"
 
 namespace dea::test {
 
@@ -187,15 +188,6 @@ Side sphere_side(double radius, double height, double polar, bool up, double squ
     return Vector3d(radius * k * u, squash * radius * k * v, height + (up ? 1 : -1) * radius * std::cos(angle));
   };
   return s;
-}
-
-BoneRequest bone_request(const std::string& name, const TriangleSurface& surface) {
-  const MendedSurface mended = mend_surface(surface);
-  BoneRequest b;
-  b.name = name;
-  b.surface = mended.surface;
-  b.closed = mended.closed();
-  return b;
 }
 
 void add_bone(SegmentedJoint& j, const std::string& name, const TriangleSurface& bone,

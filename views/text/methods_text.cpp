@@ -100,13 +100,6 @@ struct Methods {
 };
 
 /// "a", "a and b", "a, b and c".
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return text;
-}
-
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
@@ -158,7 +151,7 @@ void say_stated(Methods& m, const JointModel& model, const Joint& joint) {
     m.say(fmt::format(
         "Contact {} {} of type dea, as dea convert writes {}: law, springs, thickness, E and nu are stated in "
         "the model.",
-        listed(names), names.size() == 1 ? "was" : "were", names.size() == 1 ? "it" : "them"));
+        and_list(names), names.size() == 1 ? "was" : "were", names.size() == 1 ? "it" : "them"));
 }
 
 void say_model(Methods& m, const JointModel& model) {
@@ -179,10 +172,10 @@ void say_bodies(Methods& m, const Joint& joint) {
     if (body.ground) continue;
     (body.moved_by.empty() ? rigid : moved).push_back(in_quotes(body.name));
   }
-  if (!rigid.empty()) m.say(fmt::format("{} {} rigid.", listed(rigid), rigid.size() == 1 ? "was" : "were"));
+  if (!rigid.empty()) m.say(fmt::format("{} {} rigid.", and_list(rigid), rigid.size() == 1 ? "was" : "were"));
   if (!moved.empty())
     m.say(fmt::format("{} stood for bone that the model leaves out: nodes moved together, taken as rigid.",
-                      listed(moved)));
+                      and_list(moved)));
 }
 
 std::string thickness_words(const Layer& layer) {
@@ -273,7 +266,7 @@ void say_contacts(Methods& m, const JointModel& model, const Settings& settings,
     std::vector<std::string> names;
     for (const LayerUse& use : layer.uses) names.push_back(in_quotes(check.joint.contacts[at(use.contact)].name));
     if (check.joint.contacts[at(layer.uses.front().contact)].law == Law::Layer)
-      m.say(fmt::format("Contacts {} pressed one layer of cartilage and were solved together.", listed(names)));
+      m.say(fmt::format("Contacts {} pressed one layer of cartilage and were solved together.", and_list(names)));
   }
   // what contacts share is said once
   std::vector<std::string> laws;
@@ -311,7 +304,7 @@ void say_loads(Methods& m, const JointModel& model, const Settings& settings, co
     parts.push_back(counted(joint.ligaments.size(), "spring or ligament", "springs or ligaments"));
   if (!joint.cables.empty()) parts.push_back(counted(joint.cables.size(), "cable", "cables"));
   if (!joint.connectors.empty()) parts.push_back(counted(joint.connectors.size(), "ideal joint", "ideal joints"));
-  if (!parts.empty()) m.say(fmt::format("{} joined bodies.", listed(parts)));
+  if (!parts.empty()) m.say(fmt::format("{} joined bodies.", and_list(parts)));
   for (const auto* words : {&settings.loads.words, &settings.motion.words})
     if (!words->empty()) m.say(fmt::format("Table: {}.", one_line(*words)));
   for (int b : reported_bodies(joint)) {
@@ -354,7 +347,7 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
                            ? "stated in the model, inferred from it or left at their defaults"
                            : "inferred from the model or left at their defaults";
   m.say(given.empty() ? fmt::format("All settings were {}.", others)
-                      : fmt::format("Settings given: {}; all others were {}.", listed(given), others));
+                      : fmt::format("Settings given: {}; all others were {}.", and_list(given), others));
   std::string text = fmt::format("{}\n\n{}\n\nReferences\n\n", fmt::join(m.sentences, " "), units_text(model));
   for (const Paper* paper : m.papers) text += fmt::format("* {}\n", paper->full);
   return text + fmt::format(
