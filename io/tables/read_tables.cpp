@@ -89,6 +89,7 @@ void refuse_metres(const JointModel& model, const std::string& table, const char
 struct Scale {
   double first = 1.0, length = 1.0;
   std::string words = "in the model's units";
+  bool unsaid = false;  ///< that lengths are in mm, as the model's, nobody says
 };
 
 /// `units`: "N-m", "deg-mm". `first`: force or angle.
@@ -431,6 +432,7 @@ Scale scale_of_matrices(const JointModel& model, const NumberTable& table, const
   }
   if (!system && unit.empty() && says) scale.words += kTakenUnnamed;
   if (!system && (!unit.empty() || says)) refuse_metres(model, table.path, "motion-units");
+  scale.unsaid = unit.empty() && !says && own.length == "mm";
   return scale;
 }
 
@@ -453,6 +455,12 @@ void read_matrices(const JointModel& model, const NumberTable& table, const std:
     motion.motion.back() << move.translation(), rotation_vector(move.linear());
   }
   motion.turns = motion.about_origin = true;
+  motion.farthest = 0.0;
+  if (scale.unsaid)
+    for (std::size_t r = 0; r < body.size(); ++r)
+      motion.farthest =
+          std::max(motion.farthest, (relative ? other[r].inverse() * body[r] : body[r]).translation().norm());
+  motion.doubt = matrices_in_doubt(motion, size_of_joint(model));
   motion.words = fmt::format(
       "{} {} ({})",
       table_in_words(table, "matrices " + names[0] + (relative ? " relative to " + names[1] : ""), motion.time),
@@ -482,6 +490,8 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   const MotionColumns found = motion_columns(table, motion);
   if (!found.matrices.empty()) return read_matrices(model, table, found.matrices, motion);
   motion.about_origin = false;
+  motion.farthest = 0.0;
+  motion.doubt.clear();
   if (!motion.start.empty())
     throw wrong_setting("motion-start", motion.start,
                         say("the rows of {} are no matrices: they count from where the body starts;", table.path),
@@ -587,6 +597,15 @@ void check_units(const JointModel& model, const Settings& settings) {
 }
 
 }  // namespace
+
+std::string matrices_in_doubt(const MotionTable& motion, double size) {
+  // In mm a bone's place lies some mm to m from where its matrix counts from, in m some 0.001 to 1; a joint and its
+  // bones are some cm to dm large.
+  constexpr double kLeast = 1e-2;
+  if (!(motion.farthest > 0) || !(motion.farthest < kLeast * size)) return "";
+  return fmt::format("translations of at most {:.3g} mm beside surfaces that are {:.3g} mm large", motion.farthest,
+                     size);
+}
 
 void read_thickness(const JointModel& model, Settings& settings, const GivenTables& given) {
   for (auto& entry : settings.thickness_from) read_node_thickness(model, given, entry.second);

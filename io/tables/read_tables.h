@@ -24,6 +24,10 @@ using GivenTables = std::map<std::string, NumberTable>;
 /// file's fault, with its line) and UsageError (settings that do not fit together). Thicknesses: as read_thickness.
 void read_tables(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
+/// Of matrices that are hardly moved against a joint, or bones, of this size: they may be in metres. Empty: they may
+/// not.
+std::string matrices_in_doubt(const MotionTable& motion, double size);
+
 /// Fills settings.thickness_from from its files, or from `given`: columns "node", numbers of the model's nodes, and
 /// "thickness", >= 0, in the model's length (a unit in its name must be that); other columns are passed over. Throws
 /// InputError (a file's fault, with its line).

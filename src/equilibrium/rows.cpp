@@ -123,8 +123,18 @@ Findings row_findings(const JointModel& model, const Joint& joint, const Setting
                                  : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
                                                                            : ", about its centre of mass"}},
                      from});
+  if (motion_given(s)) add_once(found, matrix_units(s.motion, {"motion-units", "", "m"}));
   if (row_count(s) == 0 && s.skip_steps) found.push_back({"steps-skipped", {.time = step_starts(model).back()}});
   return found;
+}
+
+Findings matrix_units(const MotionTable& motion, const NamedSetting& give) {
+  if (motion.doubt.empty()) return {};
+  NamedSetting stays = give;
+  stays.value = "mm";
+  return {{"matrix-units",
+           {.body = motion.body},
+           {{"file", motion.file}, {"doubt", motion.doubt}, {"give", give}, {"stays", stays}}}};
 }
 
 Findings seating_steps(const JointModel& model, const Joint& joint, const Settings& s) {

@@ -110,7 +110,9 @@ struct MotionTable {
   std::vector<Eigen::Matrix<double, 6, 1>> motion;  ///< one per row
   bool turns = false;                               ///< rotations are given, not translations alone
   bool about_origin = false;                        ///< rows turn the body about the global origin, then move it
+  double farthest = 0.0;  ///< of matrices whose unit nobody says: their longest translation; 0: none
   std::string words;
+  std::string doubt;  ///< what may be a slip: that of matrices in another unit; empty: nothing
 };
 
 /// Thickness of a layer at the nodes of its surface.

@@ -82,6 +82,10 @@ std::vector<Rule> all_rules() {
                   "at time {time} no contact carries any load, though the bodies balance: joints, ligaments or what "
                   "holds the bodies take all of it; look at the load's direction and at the joints"}},
                 unloaded_contact),
+      told("matrix-units", "Say the unit of the matrices' translations.",
+           {{W,
+             "{file}: its matrices of body \"{body}\" have {doubt}: if they are in m, say {give}; if they are in mm, "
+             "{stays}"}}),
       of_model("odd-units",
                "Check the units, the modulus and the lengths: pressures may be wrong by a factor of a thousand or a "
                "million.",

@@ -289,6 +289,40 @@ TEST(Matrices, OfABodyRelativeToAnotherOne) {
             std::string::npos);
 }
 
+// What nobody says the unit of is questioned below a hundredth of the joint's size: 0.5 mm of one of 60 mm. Of two
+// matrices that of one relative to the other counts: (0.03, 0.04, 0) of bodies that lie a metre away.
+TEST(Matrices, ThatMayBeInMetresAreQuestioned) {
+  const auto table = [](const char* name, const std::vector<std::pair<std::string, Poses>>& bodies) {
+    const std::string text = jam_text(bodies, 1);
+    return file(name, text.substr(text.find("time")));  // as CSV: no units of OpenSim's
+  };
+  const Eigen::Isometry3d tibia = pose(40, kX, {0.2, 0.9, 0.1});
+  const std::string alone = table("alone.csv", {{"femur", {pose(10, kZ, {0, 0.3, 0.4})}}}),
+                    both = table("both.csv", {{"femur", {tibia * pose(5, kZ, {0.03, 0.04, 0})}}, {"tibia", {tibia}}}),
+                    still = table("still.csv", {{"femur", {pose(10, kZ, {0, 0, 0})}}});
+  EXPECT_NEAR(matrices_of(alone, "femur_T").farthest, 0.5, 1e-12);
+  EXPECT_NEAR(matrices_of(both, "femur_T,tibia_T").farthest, 0.05, 1e-12);
+  EXPECT_EQ(matrices_of(alone, "femur_T", "", "mm").farthest, 0);
+  EXPECT_EQ(matrices_of(still, "femur_T").farthest, 0);
+  EXPECT_EQ(matrices_of(file("o.sto", jam_text({{"femur", {pose(10, kZ, {0, 0, 1e-4})}}}, 1)), "femur_T").farthest, 0);
+  const MotionTable motion = matrices_of(alone, "femur_T");
+  EXPECT_EQ(matrices_in_doubt(motion, 60), "translations of at most 0.5 mm beside surfaces that are 60 mm large");
+  EXPECT_EQ(matrices_in_doubt(motion, 49), "");
+  EXPECT_EQ(motion.doubt, "");  // of a model without nodes
+
+  JointModel model;
+  model.units = "SI";  // in m: these are its own
+  model.nodes = {Vector3d::Zero(), Vector3d(60, 0, 0)};
+  Settings settings;
+  settings.motion.file = alone;
+  settings.motion.body = "femur";
+  read_tables(model, settings);
+  EXPECT_EQ(settings.motion.doubt, "");
+  model.units = "mm-N-s";
+  read_tables(model, settings);
+  EXPECT_EQ(settings.motion.doubt, "translations of at most 0.5 mm beside surfaces that are 60 mm large");
+}
+
 // 3 rows against nRows 2, as in JAM's files; fewer than it counts: cut off.
 TEST(Matrices, RowsBeyondThoseThatAHeaderCountsAreReadAndTold) {
   const Poses femur(3, pose(10, kZ, {0, 0, 0}));
