@@ -18,6 +18,7 @@
 #include "src/base/rotations.h"
 #include "src/build/free_dofs.h"
 #include "src/build/remesh.h"
+#include "src/rules/rules.h"
 #include "src/run/analysis.h"
 #include "views/build_page/build_page.h"
 #include "views/data/build_json.h"
@@ -38,9 +39,9 @@ std::string without_options(Fault fault) {
   return words;
 }
 
-/// The pose that balances each load, by dea itself.
+/// The pose that balances each load, by dea itself. `findings`: what dea run would tell of model and results.
 std::vector<BuildBalance> find_balances(const std::string& text, const std::string& path, const BuiltJoint& built,
-                                        Progress& progress) {
+                                        Progress& progress, Findings& findings) {
   progress.now("balance", "", built.loads() > 1 ? "balance of the loads" : "balance of the load");
   JointModel model = read_feb_text(text, path);
   const std::vector<TimePoint> times = model_times(model);
@@ -55,6 +56,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
   }
   try {
     const Analysis analysis = analyse(recognise(std::move(model)), options);
+    findings = analysis.findings;
     for (std::size_t i = 0; i < balances.size(); ++i) {
       const StateResult& state = analysis.states.at(i);
       balances[i].found = solved(state.equilibrium.outcome);
@@ -76,6 +78,18 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
     for (BuildBalance& balance : balances) balance.words = without_options(e.fault);
   }
   return balances;
+}
+
+/// What dea run warns of and dea build does not say by itself: modulus_question, load_questions (a load that is tiny
+/// for its modulus is either's matter), balances not found.
+Findings warnings_of_run(const Findings& findings, bool modulus_or_load) {
+  Findings found = warnings(findings);
+  std::erase_if(found, [&](const Finding& f) {
+    return f.code == "no-solution" || f.code == "nothing-loads" ||
+           (f.code == "odd-units" && f.form == 0) ||  // of a modulus
+           (f.code == "tiny-load" && modulus_or_load);
+  });
+  return found;
 }
 
 void add_findings(const std::vector<std::string>& more, std::vector<std::string>& findings) {
@@ -126,6 +140,11 @@ int build(const BuildArguments& a) {
   const std::vector<std::string> placed = read_placements(a, inputs);
   add_findings(placed, report.findings);
   add_findings(read_surfaces(a, inputs), report.findings);
+  const Findings units = doubtful_matrices(inputs);
+  for (const std::string& question : coded(units)) {
+    questions.push_back(question);
+    log("warning: " + question);
+  }
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);
@@ -157,7 +176,12 @@ int build(const BuildArguments& a) {
     questions.push_back(question);
     log("warning: " + question);
   }
-  const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), a.output, joint, progress);
+  Findings findings;
+  const std::vector<BuildBalance> balances =
+      find_balances(joint_feb(joint, inputs.model), a.output, joint, progress, findings);
+  Findings of_run = units;
+  add_once(of_run, warnings_of_run(findings, questions.size() > units.size()));
+  add_findings(coded(of_code(findings, "motion-held")), report.findings);
   if (balances.front().found) {
     inputs.model.seat = balances.front().displacement;
     inputs.model.seat_turn = balances.front().turn;
@@ -166,7 +190,7 @@ int build(const BuildArguments& a) {
   write_text(a.output, joint_feb(joint, inputs.model));
   if (!a.frames.empty()) write_text(a.frames, frames_as_settings(anatomy.frames));
   if (!a.hip_figure.empty()) write_text(a.hip_figure, hip_picture(*anatomy.hip, figure_format));
-  const BuildSummary summary{a.output, joint, report, inputs.model, balances, inputs.load_times, anatomy};
+  const BuildSummary summary{a.output, joint, report, inputs.model, balances, inputs.load_times, anatomy, of_run};
   if (!a.report.empty()) {
     progress.now("writing " + file_name(a.report), "", "writing " + file_name(a.report));
     write_page(a, summary, inputs);
@@ -176,7 +200,7 @@ int build(const BuildArguments& a) {
     for (const std::string& finding : report.findings) log("note: " + finding);
   if (!a.json.empty()) write_text(a.json, json_text(build_json(summary)));
   if (!a.quiet && a.json != "-") print(build_text(summary));
-  for (const std::string& warning : build_warnings(summary))
+  for (const std::string& warning : a.quiet ? own_warnings(summary) : build_warnings(summary))  // as dea run -q
     if (std::find(questions.begin(), questions.end(), warning) == questions.end()) log("warning: " + warning);
   return all_balanced(summary) ? kSolved : kNoSolution;
 }

@@ -38,6 +38,8 @@ struct BuildSources {
   std::vector<CartilageFile> outer, places, regions;
   LoadTable loads;     ///< no file: none
   MotionTable motion;  ///< no file: none
+  std::vector<MotionTable>
+      place_tables;  ///< per bone: of whose rows --place takes one, and how it is read; no file: none
   std::vector<LandmarkSource> landmarks;
   std::vector<char> placed;              ///< per bone: by --place
   std::vector<Eigen::Isometry3d> poses;  ///< per bone: from its files' axes to the joint's, in mm

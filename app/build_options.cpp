@@ -47,6 +47,13 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "Where a bone stands, with all that its files give: a 4x4 matrix as text, Slicer's linear transform "
                "(.tfm), a row of a table of poses, a translation, or a matrix row by row; inverse:FILE: the other way "
                "round [as in its file]");
+  add_repeated(*c, "--place-columns", a.place_columns, "NAME=TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Surfaces",
+               "Columns of the table of --place NAME=FILE:ROW; NAME_T: of 4x4 matrices [found by name]");
+  add_repeated(*c, "--place-rotation", a.place_rotations, "NAME=vector|zxy", "Surfaces",
+               "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
+  add_repeated(*c, "--place-units", a.place_units, "NAME=ANGLE-LENGTH|LENGTH", "Surfaces",
+               "Its units: deg-mm, rad-m; of matrices m; must be given if it has rotations by angles [mm; OpenSim's: "
+               "m]");
   add_repeated(
       *c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
       "Where the cartilage is: near a surface or in a sphere. A plane trims what was found to the side of its normal. "
@@ -79,15 +86,15 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "x,y,z; two compartments and ligaments: all but flexion; a bone without a force: none]");
   add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model",
                "Motions in which a bone is held, of those that dea would leave free");
-  add_once(*c, "--motion", a.motion, "BODY=FILE", "Model",
-           "Poses of a bone from a table, row by row, as dea run --motion reads it: from where it stands, about its "
-           "centre");
+  add_repeated(*c, "--motion", a.motions, "BODY=FILE", "Model",
+               "Poses of one bone from a table, row by row, as dea run --motion reads it: from where it stands, about "
+               "its centre; once: a second bone is free (--free), loaded (--force, --loads) or held");
   add_once(*c, "--motion-columns", a.motion_columns, "TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Model",
-           "Columns of the table of poses, also of --place FILE:ROW; NAME_T: of 4x4 matrices [found by name]");
+           "Columns of the table; NAME_T: of 4x4 matrices, NAME_T,OTHER_T: relative to another bone's [found by name]");
   add_once(*c, "--motion-rotation", a.motion_rotation, "vector|zxy", "Model",
            "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
   add_once(*c, "--motion-units", a.motion_units, "ANGLE-LENGTH", "Model",
-           "Units of the table of poses: deg-mm, rad-m; must be given if it has rotations");
+           "Its units: deg-mm, rad-m; of matrices m; must be given if it has rotations by angles [mm; OpenSim's: m]");
   add_once(*c, "--motion-start", a.motion_start, "own-frame|TIME[,ground]", "Model",
            "Of matrices: where the bone's files have it, as dea run --motion-start [own-frame]");
   add_once(*c, "--ligaments", a.ligaments, "FILE.csv", "Model",

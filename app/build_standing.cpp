@@ -13,6 +13,7 @@
 #include "src/base/numbers.h"
 #include "src/base/rotations.h"
 #include "src/base/time_text.h"
+#include "src/equilibrium/rows.h"
 #include "src/model/settings_table.h"
 #include "views/text/table.h"
 
@@ -48,23 +49,32 @@ void add_free(const BuildArguments& a, BuildRequest& request) {
   }
 }
 
+/// What a word of a table of poses says, as dea run reads it. `option`: under which it was typed.
+MotionTable motion_word(const char* setting, const char* option, const std::string& given, const std::string& word) {
+  Settings settings;
+  if (!word.empty())
+    argument(option, given, [&](const std::string&) {
+      find_setting_option(setting)->set(settings, "", word);
+      return 0;
+    });
+  return settings.motion;
+}
+
 void add_motion(const BuildArguments& a, BuildInputs& inputs) {
   MotionTable& motion = inputs.sources.motion;
   motion.columns = a.motion_columns;
   motion.units = a.motion_units;
-  const auto word = [](const char* option, const std::string& given) {  // as dea run reads it
-    Settings settings;
-    if (!given.empty())
-      argument(option, given, [&](const std::string& text) {
-        find_setting_option(option)->set(settings, "", text);
-        return 0;
-      });
-    return settings.motion;
+  const auto word = [](const char* option, const std::string& given) {
+    return motion_word(option, option, given, given);
   };
   motion.rotation = word("motion-rotation", a.motion_rotation).rotation;
   motion.start = word("motion-start", a.motion_start).start;
-  if (a.motion.empty()) return;
-  const Named n = named("motion", a.motion, "BODY=FILE");
+  if (a.motions.empty()) return;
+  if (a.motions.size() > 1)
+    throw wrong("motion", a.motions[1], fmt::format("a second table of poses beside {}", a.motions[0]),
+                "one, for one bone; give its poses relative to the other bone (--motion-columns NAME_T,OTHER_T), or "
+                "leave the other free (--free)");
+  const Named n = named("motion", a.motions.front(), "BODY=FILE");
   BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "motion", n.name))];
   motion.file = n.value;
   motion.body = n.name;
@@ -79,8 +89,20 @@ void add_holds(const BuildArguments& a, BuildRequest& request) {
     const Named n = named("hold", text, "BODY=x,y");
     BoneRequest& bone = request.bones[at(bone_of(request, "hold", n.name))];
     if (bone.fixed) throw wrong("hold", text, "a bone without a force, which is held as a whole", "a loaded one");
-    if (bone.dofs_given)
-      throw wrong("hold", text, "--free or --motion for this bone too, which say what is held", "one of them");
+    if (bone.dofs_given) {
+      const auto names_it = [&](const char* option, const std::vector<std::string>& given) {
+        return std::any_of(given.begin(), given.end(),
+                           [&](const std::string& word) { return named(option, word, "BODY=").name == n.name; });
+      };
+      const bool free = names_it("free", a.frees), moved = names_it("motion", a.motions);
+      throw wrong("hold", text,
+                  fmt::format("{} for this bone too, which {} what is held",
+                              free && moved ? "--free and --motion"
+                              : free        ? "--free"
+                                            : "--motion",
+                              free && moved ? "say" : "says"),
+                  free && moved ? "no --hold" : "one of them");
+    }
     const DofFlags held = dofs_argument("hold", text, n.value);
     for (std::size_t k = 0; k < kDofs; ++k) bone.hold[k] = bone.hold[k] || held[k];
     if (bone.hold[0] && bone.hold[1] && bone.hold[2])
@@ -90,10 +112,18 @@ void add_holds(const BuildArguments& a, BuildRequest& request) {
 
 void refuse_what_moves_nothing(const BuildArguments& a, const BuildInputs& inputs) {
   const auto& bones = inputs.request.bones;
-  if (a.forces.empty() && a.loads.empty() && a.motion.empty() && (a.frees.empty() || a.ligaments.empty()))
-    throw UsageError(
-        "no force is given, expected --force BODY=x,y,z or --loads BODY=FILE: it presses one bone against the others, "
-        "which are held; or --motion BODY=FILE, which moves one");
+  const auto pressed = [](const BoneRequest& b) { return !b.force.isZero(0); };
+  const auto pulled = [&](const BoneRequest& b) {
+    bool free = false;
+    for (std::size_t k = 0; k < kDofs; ++k) free = free || b.free(k);
+    return free && !a.ligaments.empty();
+  };
+  if (a.loads.empty() && a.motions.empty() && std::none_of(bones.begin(), bones.end(), pressed) &&
+      std::none_of(bones.begin(), bones.end(), pulled))
+    throw UsageError(fmt::format(
+        "{}, expected --force BODY=x,y,z or --loads BODY=FILE: it presses one bone against the others, which are held; "
+        "or --motion BODY=FILE, which moves one",
+        a.forces.empty() ? "no force is given" : fmt::format("--force {}: found a force of zero", a.forces.front())));
   const auto rests = [&](const BoneRequest& b) { return b.fixed || b.name == inputs.sources.motion.body; };
   if (std::none_of(bones.begin(), bones.end(), rests))
     throw UsageError(fmt::format("--{}: found a load for every bone, expected one bone without, which is held",
@@ -138,27 +168,78 @@ PlaceText place_text(const std::string& text, std::string value) {
   return place;
 }
 
-/// The table's settings without the table are refused; with it, and without a row to be read, too.
-void refuse_idle_motion(const BuildArguments& a, bool table) {
-  if (table) return;
+/// The table's settings without the table are refused.
+void refuse_idle_motion(const BuildArguments& a) {
+  if (!a.motions.empty()) return;
   for (const auto& [option, text] :
        {std::pair{"motion-columns", &a.motion_columns}, std::pair{"motion-rotation", &a.motion_rotation},
         std::pair{"motion-units", &a.motion_units}, std::pair{"motion-start", &a.motion_start}})
-    if (!text->empty()) throw wrong(option, *text, "no table", "--motion BODY=FILE or --place NAME=FILE:ROW too");
+    if (!text->empty()) throw wrong(option, *text, "no table", "--motion BODY=FILE too");
+}
+
+/// How the tables are read of which --place takes a row.
+void add_place_tables(const BuildArguments& a, BuildInputs& inputs) {
+  const auto each = [&](const char* option, const std::vector<std::string>& texts, const auto& take) {
+    std::vector<char> seen(inputs.request.bones.size(), 0);
+    for (const std::string& text : texts) {
+      const Named n = named(option, text, "NAME=VALUE");
+      const std::size_t bone = at(bone_of(inputs.request, option, n.name));
+      refuse_second(option, text, seen[bone] != 0);
+      seen[bone] = 1;
+      MotionTable& table = inputs.sources.place_tables[bone];
+      if (table.file.empty())
+        throw wrong(option, text, "no table for this bone", fmt::format("--place {}=FILE:ROW too", n.name));
+      take(table, text, n.value);
+    }
+  };
+  using Text = const std::string&;
+  each("place-columns", a.place_columns, [](MotionTable& table, Text, Text value) { table.columns = value; });
+  each("place-units", a.place_units, [](MotionTable& table, Text, Text value) { table.units = value; });
+  each("place-rotation", a.place_rotations, [](MotionTable& table, Text text, Text value) {
+    table.rotation = motion_word("motion-rotation", "place-rotation", text, value).rotation;
+  });
+}
+
+/// A setting of the table under the name that it has for a placed bone: --place-units ball=m for --motion-units m.
+NamedSetting of_place(NamedSetting setting, const std::string& bone, const std::string& row) {
+  const std::string motion = "motion";
+  if (!setting.setting.starts_with(motion)) return setting;
+  if (setting.setting == motion) setting.value += row;
+  setting.setting = "place" + setting.setting.substr(motion.size());
+  setting.of = bone;
+  return setting;
+}
+
+Fault of_place(Fault fault, const std::string& bone, const std::string& row) {
+  if (fault.given) {
+    fault.given = of_place(*fault.given, bone, row);
+    fault.given->bare = true;
+  }
+  for (Sentence* words : {&fault.found, &fault.expected})
+    for (NamedSetting& setting : words->settings) setting = of_place(setting, bone, row);
+  return fault;
 }
 
 /// A row of a table of poses as dea run --motion reads it; about the origin of the bone's own axes.
-Isometry3d row_pose(const std::string& text, const PlaceText& place, const BuildInputs& inputs) {
+Isometry3d row_pose(const std::string& text, const std::string& bone, int given_row, MotionTable& table,
+                    const BuildInputs& inputs) {
   Settings settings;
-  settings.motion = inputs.sources.motion;
-  settings.motion.file = place.file;
-  settings.motion.body = "the bone";
+  settings.motion = table;
+  settings.motion.body = bone;
   JointModel units;
   units.units = inputs.model.units;
-  read_tables(units, settings);
-  const std::size_t rows = settings.motion.motion.size(), row = static_cast<std::size_t>(*place.row);
+  const std::string row_text = fmt::format(":{}", given_row);
+  try {
+    read_tables(units, settings);
+  } catch (const UsageError& e) {
+    throw UsageError(of_place(e.fault, bone, row_text));
+  } catch (const InputError& e) {
+    throw InputError(of_place(e.fault, bone, row_text));
+  }
+  table = settings.motion;
+  const std::size_t rows = table.motion.size(), row = static_cast<std::size_t>(given_row);
   if (row > rows) throw wrong("place", text, fmt::format("row {} of a table with {}", row, rows), "one that it has");
-  const auto& numbers = settings.motion.motion[row - 1];
+  const auto& numbers = table.motion[row - 1];
   Isometry3d pose = Isometry3d::Identity();
   pose.linear() = rotation(numbers.tail<3>());
   pose.translation() = numbers.head<3>();
@@ -185,12 +266,14 @@ std::string pose_words(const Isometry3d& pose) {
                      vector_text(pose.translation()));
 }
 
-Isometry3d read_place(const std::string& text, const PlaceText& place, const BuildInputs& inputs, std::string& how) {
+Isometry3d read_place(const std::string& text, const Named& named, BuildInputs& inputs, std::string& how) {
+  const PlaceText place = place_text(text, named.value);
   Isometry3d pose = Isometry3d::Identity();
   double corrected = 0;
   if (place.row) {
-    pose = row_pose(text, place, inputs);
-    how = fmt::format("row {} of {}", *place.row, place.file);
+    MotionTable& table = inputs.sources.place_tables[at(bone_of(inputs.request, "place", named.name))];
+    pose = row_pose(text, named.name, *place.row, table, inputs);
+    how = fmt::format("row {} of {}", *place.row, table.words);
   } else if (place.numbers.size() == 3) {
     pose.translation() = Vector3d(place.numbers[0], place.numbers[1], place.numbers[2]);
     how = "as given";
@@ -279,10 +362,18 @@ void refuse_other_times(const std::string& motion, const LoadTable& loads, const
                 "both tables with the same times");
 }
 
+/// Where the rows are in the model, and how dea run leaves out what is before them.
+std::string row_words(std::size_t rows) {
+  return fmt::format(
+      "the model has row i, counted from 1, at time 1 + i; dea run --states {} has {} alone, without the step that "
+      "seats "
+      "the bones",
+      rows == 1 ? "2" : fmt::format("2:{}", rows + 1), rows == 1 ? "it" : "these");
+}
+
 void take_loads(const LoadTable& loads, BuildInputs& inputs, std::vector<std::string>& findings) {
   BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", loads.body))];
-  findings.push_back(
-      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words));
+  findings.push_back(fmt::format("{}: loads of {}; {}", loads.body, loads.words, row_words(loads.time.size())));
   if (!loads.doubt.empty()) findings.push_back(fmt::format("{}: body weight: {}", loads.body, loads.doubt));
   bool moments = false;
   for (const auto& load : loads.load) {
@@ -315,8 +406,8 @@ void take_motion(const MotionTable& motion, BuildInputs& inputs, std::vector<std
   bone.about_origin = motion.about_origin;
   inputs.load_times = motion.time;
   findings.push_back(
-      fmt::format("{}: motion of {}, from where it stands{}; the model has row i, counted from 1, at time 1 + i{}",
-                  motion.body, motion.words, motion.about_origin ? "" : ", about its centre",
+      fmt::format("{}: motion of {}, from where it stands{}; {}{}", motion.body, motion.words,
+                  motion.about_origin ? "" : ", about its centre", row_words(motion.time.size()),
                   passed_over.empty() ? "" : fmt::format("; its {} not used, which --free leaves free", passed_over)));
 }
 
@@ -326,20 +417,21 @@ void add_standing(const BuildArguments& a, BuildInputs& inputs) {
   BuildRequest& request = inputs.request;
   inputs.sources.placed.assign(request.bones.size(), 0);
   inputs.sources.poses.assign(request.bones.size(), Isometry3d::Identity());
-  bool rows = false;
+  inputs.sources.place_tables.resize(request.bones.size());
   for (const std::string& text : a.places) {
     const Named n = named("place", text, "NAME=FILE, NAME=FILE:ROW or NAME=x,y,z");
-    char& placed = inputs.sources.placed[at(bone_of(request, "place", n.name))];
-    refuse_second("place", text, placed != 0);
-    placed = 1;
+    const std::size_t bone = at(bone_of(request, "place", n.name));
+    refuse_second("place", text, inputs.sources.placed[bone] != 0);
+    inputs.sources.placed[bone] = 1;
     const PlaceText place = place_text(text, n.value);
-    rows = rows || place.row.has_value();
+    if (place.row) inputs.sources.place_tables[bone].file = place.file;
     if (!place.file.empty()) inputs.files.push_back({"--place", place.file});
   }
   if (!a.places.empty() && !a.mirror.empty())
     throw UsageError("--place and --mirror: found both, expected one of them; place the whole joint's files");
   add_free(a, request);
-  refuse_idle_motion(a, rows || !a.motion.empty());
+  add_place_tables(a, inputs);
+  refuse_idle_motion(a);
   add_motion(a, inputs);
   add_holds(a, request);
   if (!a.ligaments.empty()) inputs.files.push_back({"--ligaments", a.ligaments});
@@ -352,7 +444,7 @@ std::vector<std::string> read_placements(const BuildArguments& a, BuildInputs& i
     const Named n = named("place", text, "NAME=FILE");
     Isometry3d& pose = inputs.sources.poses[at(bone_of(inputs.request, "place", n.name))];
     std::string how;
-    pose = read_place(text, place_text(text, n.value), inputs, how);
+    pose = read_place(text, n, inputs, how);
     findings.push_back(fmt::format("{}: placed: {} ({})", n.name, pose_words(pose), how));
   }
   add_ligaments(a, inputs, findings);
@@ -370,9 +462,23 @@ std::vector<std::string> read_loads(BuildInputs& inputs) {
   const bool loads = !settings.loads.file.empty(), motion = !settings.motion.file.empty();
   if (loads && motion)
     refuse_other_times(settings.motion.body + "=" + settings.motion.file, settings.loads, settings.motion);
+  inputs.sources.motion = settings.motion;
   if (loads) take_loads(settings.loads, inputs, findings);
   if (motion) take_motion(settings.motion, inputs, findings);
   return findings;
+}
+
+Findings doubtful_matrices(const BuildInputs& inputs) {
+  const double size = size_of_bones(inputs.request.bones);
+  Findings found;
+  const auto look = [&](MotionTable table, const NamedSetting& give) {
+    table.doubt = matrices_in_doubt(table, size);
+    add_once(found, matrix_units(table, give));
+  };
+  for (std::size_t b = 0; b < inputs.sources.place_tables.size(); ++b)
+    look(inputs.sources.place_tables[b], {"place-units", inputs.request.bones[b].name, "m"});
+  look(inputs.sources.motion, {"motion-units", "", "m"});
+  return found;
 }
 
 std::vector<std::string> held_forces(const BuildRequest& request) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/build_inputs.h"
+#include "src/base/finding.h"
 
 namespace dea {
 
@@ -17,6 +18,9 @@ std::vector<std::string> read_placements(const BuildArguments& arguments, BuildI
 /// Reads the tables of loads and motion into the request, in N, mm and rad. Returns what was found. Throws InputError,
 /// UsageError.
 std::vector<std::string> read_loads(BuildInputs& inputs);
+
+/// Tables of 4x4 matrices that may be in metres, against the size of the bones that were read.
+Findings doubtful_matrices(const BuildInputs& inputs);
 
 /// Forces along directions in which their bone is held or moved reach no cartilage: what is to be told of them. Throws
 /// UsageError: nothing else is left.

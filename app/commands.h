@@ -64,11 +64,11 @@ int convert(const ConvertArguments& arguments);
 struct BuildArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers, holds, landmarks;
-  std::vector<std::string> places, frees;
+  std::vector<std::string> places, place_columns, place_rotations, place_units, frees, motions;
   std::string half_gap, units, scale, reach, rim, fade, edge, layers, least, bone_shells, E, nu, penalty, primary;
   std::string side, scan_axes, hip, frames, hip_figure, landmark_units;
   std::string mirror, loads, load_columns, load_units, body_weight;
-  std::string motion, motion_columns, motion_rotation, motion_units, motion_start, ligaments;
+  std::string motion_columns, motion_rotation, motion_units, motion_start, ligaments;
   std::string output, json, report, threads;
   bool keep_holes = false, flip_landmarks = false, overwrite = false, quiet = false;
 };

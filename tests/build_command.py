@@ -514,13 +514,13 @@ def a_bone_stands_where_it_is_placed(folder):
     over = lambda m: tuple(tuple(v * (-1 if i < 2 else 1) * (-1 if k < 2 else 1) for k, v in enumerate(row)) for i, row in enumerate(m))  # noqa: E731
     folder.write("ras.tfm", itk(over(back[0]), tuple(v * (-1 if i < 2 else 1) for i, v in enumerate(back[1]))))
     folder.write("poses.csv", "tx,ty,tz,rx,ry,rz\n9,9,9,0,0,0\n3,-40,7,20,0,0\n")
-    table = ("--motion-rotation", "xyz", "--motion-units", "deg-mm")
+    table = ("--place-rotation", "ball=xyz", "--place-units", "ball=deg-mm")
     names = ",".join(f"ball_T{i}{k}" for i in range(1, 5) for k in range(1, 5))
     folder.write("matrices.csv", f"{names}\n" + ",".join(repr(float(v)) for row in rows for v in row) + "\n")
     for place, more, said in (("pose.txt", (), "turned by 20 degrees about (1, 0, 0)"), ("inverse:back.txt", (), "the other way round"),
                               (",".join(repr(float(v)) for row in rows for v in row), (), "as given"),
                               ("T.tfm", (), "turned round; the bones' axes taken as LPS"), ("inverse:forwards.tfm", (), "inverse:"),
-                              ("ras.tfm", ("--scan-axes", "RAS"), "taken as RAS"), ("poses.csv:2", table, "row 2 of poses.csv"), ("matrices.csv:1", ("--motion-columns", "ball_T"), "row 1 of matrices.csv")):
+                              ("ras.tfm", ("--scan-axes", "RAS"), "taken as RAS"), ("poses.csv:2", table, "row 2 of poses.csv"), ("matrices.csv:1", ("--place-columns", "ball=ball_T"), "row 1 of matrices.csv")):
         folder.write("back.txt", "\n".join(" ".join(repr(float(v)) for v in (*row, c)) for row, c in zip(*back)) + "\n0 0 0 1")
         done = folder.build(*words, "--place", f"ball={place}", *more)
         same(done.returncode, 0, f"{place}: {done.stderr}")
@@ -545,8 +545,14 @@ def what_cannot_be_placed_is_refused(folder):
     for words, code, said in ((("--place", "ball=1,2"), 2, "found 2 numbers, expected a translation"), (("--place", "bal=1,2,3"), 2, "did you mean"),
                               (("--place", "ball=none.txt"), 3, "none.txt: found no file"), (("--place", "ball=scaled.txt"), 3, "a pose does not scale"),
                               (("--place", "ball=0,0,0", "--place", "ball=0,0,1"), 2, "found a second one"), (("--place", "ball=0,0,0", "--mirror", "x=0"), 2, "--place and --mirror"),
-                              (("--place", "ball=poses.csv:1"), 2, "--motion-rotation"),
-                              (("--place", "ball=poses.csv:2", "--motion-rotation", "vector", "--motion-units", "deg-mm"), 2, "row 2 of a table with 1"),
+                              (("--place", "ball=poses.csv:1"), 2, "--place ball=poses.csv:1: its rows have rotations, and nobody says what their three numbers are; say --place-rotation \"ball=vector\""),
+                              (("--place", "ball=poses.csv:1", "--place-rotation", "ball=vector"), 2, "whether in degrees or radians; say --place-units \"ball=deg-mm\""),
+                              (("--place", "ball=poses.csv:2", "--place-rotation", "ball=vector", "--place-units", "ball=deg-mm"), 2, "row 2 of a table with 1"),
+                              (("--place", "ball=poses.csv:1", "--place-rotation", "ball=xxy"), 2, "--place-rotation ball=xxy: found"),
+                              (("--place", "ball=poses.csv:1", "--place-columns", "ball=up_T"), 2, "--place-columns ball=up_T: poses.csv has no columns up_T11 to up_T44"),
+                              (("--place", "ball=poses.csv:1", "--place-units", "socket=m"), 2, "--place-units socket=m: found no table for this bone, expected --place socket=FILE:ROW too"),
+                              (("--place", "ball=poses.csv:1", "--place-units", "ball=m", "--place-units", "ball=mm"), 2, "--place-units ball=mm: found a second one for this bone"),
+                              (("--place", "ball=poses.csv:1", "--motion-units", "deg-mm"), 2, "--motion-units deg-mm: found no table, expected --motion BODY=FILE too"),
                               (("--place", "ball=poses.csv"), 3, "is named FILE:ROW"), (("--motion-units", "deg-mm"), 2, "found no table"),
                               (("--place", "ball=2,0,0,0,0,2,0,0,0,0,2,0,0,0,0,1"), 2, "a pose does not scale")):
         done = folder.build(*JOINT, *words, "-q")
@@ -606,6 +612,13 @@ def a_table_of_poses_presses_as_the_load_that_leads_there(folder):
     same(done.returncode, 0, done.stderr)
     made = json.loads(folder.read("j.json"))
     same([load["table_time"] for load in made["loads"]], [0, 5], "times of the table")
+    # the rows alone, as the note says: what they are with the 21 states that seat the ball before them, to the springs' tolerance
+    true("dea run --states 2:3 has these alone, without the step that seats the bones" in done.stderr, done.stderr)
+    alone, all_states = folder.run("--states", "2:3"), folder.run()
+    same([float(row["time"]) for row in alone], [2, 3], "times")
+    same(len(all_states), 23, "states")
+    for a, b in zip(alone, all_states[-2:]):
+        close(float(a["headline_p99"]), float(b["headline_p99"]), 1e-6, "p99 with and without the seating's states")
     same(made["bones"][1]["moved"], ["x", "y", "z"], "moved")
     (row,) = folder.run("--states", "last")
     # the force at a pose that is known to 1e-3 of the force (the search's end)
@@ -718,7 +731,12 @@ def what_moves_nothing_or_twice_is_refused(folder):
     for words, code, said in ((("--free", "ball=z"), 2, "no force is given"), (("--force", "ball=0,0,1", "--free", "ball=none"), 2, "--free ball: found a force"),
                               (("--force", "ball=0,0,1", "--free", "ball=Rx"), 2, "x is the way along x, Ru the turn about it"),
                               (("--force", "ball=0,0,1", "--free", "ball=x", "--free", "ball=y"), 2, "found a second one"),
-                              (("--force", "ball=0,0,1", "--free", "ball=z", "--hold", "ball=x"), 2, "--free or --motion for this bone too"),
+                              (("--force", "ball=0,0,1", "--free", "ball=z", "--hold", "ball=x"), 2, "--hold ball=x: found --free for this bone too, which says what is held"),
+                              (("--motion", "ball=poses.csv", *turns, "--hold", "ball=x"), 2, "--hold ball=x: found --motion for this bone too, which says what is held"),
+                              (("--motion", "ball=poses.csv", *turns, "--free", "ball=x", "--hold", "ball=y"), 2, "found --free and --motion for this bone too, which say what is held"),
+                              (("--motion", "ball=poses.csv", *turns, "--motion", "socket=poses.csv"), 2, "--motion socket=poses.csv: found a second table of poses beside ball=poses.csv, expected one, for one bone; give its poses"),
+                              (("--force", "ball=0,0,0"), 2, "--force ball=0,0,0: found a force of zero"),
+                              (("--ligaments", "tether.csv", "--free", "ball=none"), 2, "no force is given"),
                               (("--motion", "ball=poses.csv", *turns, "--free", "ball=Rv"), 2, "which FEBio cannot say of one body"),
                               (("--motion", "ball=poses.csv"), 2, "--motion-rotation"), (("--motion", "ball=poses.csv", "--motion-rotation", "xxy"), 2, "--motion-rotation xxy: found"),
                               (("--motion", "ball=poses.csv", *turns, "--loads", "ball=walk.csv"), 2, "both tables with the same times"),
@@ -740,6 +758,97 @@ def what_a_bone_has_once_is_refused_twice(folder):
         true(said in done.stderr, done.stderr)
     done = folder.build(*JOINT[:-1], "ball=0,100,500", "--hold", "ball=y")
     true("(0, 100, 0) of the force (0, 100, 500) goes into what holds the bone" in done.stderr, done.stderr)
+
+
+def matrix_table(name, shift, rotation=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
+    names = ",".join(f"{name}{i}{k}" for i in range(1, 5) for k in range(1, 5))
+    return f"{names}\n" + ",".join(repr(float(v)) for v in (*(v for row, d in zip(rotation, shift) for v in (*row, d)), 0, 0, 0, 1)) + "\n"
+
+
+@check
+def a_row_places_one_bone_and_another_table_moves_the_other(folder):
+    """The socket's files lie 0.3 m aside and turned; a matrix in m brings it back. The ball is moved by angles in degrees and mm. What is
+    read of both is the answer on paper, and the contact is as without a placement. The surfaces are in single precision."""
+    folder.write("poses.csv", "time,tx,ty,tz,rx,ry,rz\n0,0,0,0.3,0,0,0\n1,0.05,-0.1,0.4,3,5,30\n")
+    moves = ("--motion", "ball=poses.csv", "--motion-rotation", "zxy", "--motion-units", "deg-mm")
+    words = (*JOINT[:4], "--uniform", "ball=1.9", "--uniform", "socket=1.9", "--reach", "6", *moves, "--json", "j.json")
+    same(folder.build(*words).returncode, 0, "as scanned")
+    direct = json.loads(folder.read("j.json"))
+    shift = (300, -40, 7)
+    folder.write("socket.stl", stl(moved(socket(16, 24), lambda x: times(transposed(ROTATION), tuple(c - d for c, d in zip(x, shift))))))
+    folder.write("bones.csv", matrix_table("socket_T", tuple(c / 1000 for c in shift), ROTATION))
+    done = folder.build(*words, "--place", "socket=bones.csv:1", "--place-columns", "socket=socket_T", "--place-units", "socket=m")
+    same(done.returncode, 0, done.stderr)
+    true("in m, the model in mm-N-s" in done.stderr and "then moved by (300, -40, 7) mm" in done.stderr, done.stderr)
+    true("in deg-mm, the model in mm-N-s" in done.stderr and "matrix-units" not in done.stderr, done.stderr)
+    made = json.loads(folder.read("j.json"))
+    (ball,) = made["loads"][1]["bones"]
+    c, s = [math.cos(math.radians(a)) for a in (3, 5, 30)], [math.sin(math.radians(a)) for a in (3, 5, 30)]
+    # cos of the whole turn by the trace of Rz Rx Ry
+    trace = c[2] * c[1] - s[2] * s[0] * s[1] + c[2] * c[0] + c[0] * c[1]
+    close(math.sqrt(sum(v * v for v in ball["turn"])), math.degrees(math.acos((trace - 1) / 2)), 1e-9, "turn")
+    for found, given in zip(ball["displacement"], (0.05, -0.1, 0.4)):
+        close(found, given, 1e-12, "displacement")
+    for a, b in zip(made["loads"], direct["loads"]):
+        close(a["contacts"][0]["headline"]["p99"], b["contacts"][0]["headline"]["p99"], 1e-3 * b["contacts"][0]["headline"]["p99"], "p99")
+
+
+@check
+def matrices_in_metres_are_questioned(folder):
+    """A joint of 48 mm: translations below a hundredth of that are questioned where nobody says their unit, by build and by run."""
+    ask = (*JOINT[:4], "--uniform", "ball=1.9", "--uniform", "socket=1.9", "--reach", "6", "--motion", "ball=m.csv")
+    folder.write("m.csv", matrix_table("ball_T", (0, 0, 0.4)))
+    done = folder.build(*ask, "--json", "j.json", "-q")
+    same(done.returncode, 0, done.stderr)
+    said = 'm.csv: its matrices of body "ball" have translations of at most 0.4 mm beside surfaces that are 46.4 mm large: if they are in m, say --motion-units m; if they are in mm, --motion-units mm [matrix-units]'
+    true(f"warning: {said}\n" in done.stderr, done.stderr)
+    made = json.loads(folder.read("j.json"))
+    true(said in made["warnings"] and made["finding_values"][0]["code"] == "matrix-units", made["warnings"])
+    ran = folder.dea("run", "j.feb", "--no-xplt", "--motion", "m.csv", "--motion-body", "ball", "--skip-steps")
+    true("at most 0.4 mm beside surfaces that are" in ran.stderr and "--motion-units m; if they are in mm, --motion-units mm [matrix-units]" in ran.stderr, ran.stderr)
+    for more in (("--motion-units", "mm"),):
+        true("matrix-units" not in folder.build(*ask, *more).stderr, f"{more}")
+        true("matrix-units" not in folder.dea("run", "j.feb", "--no-xplt", "--motion", "m.csv", "--motion-body", "ball", "--skip-steps", *more).stderr, f"run {more}")
+    for name, shift in (("m.csv", (0, 0, 0.6)), ("m.csv", (0, 0, 0))):  # a small motion of some tenths, and none
+        folder.write(name, matrix_table("ball_T", shift))
+        true("matrix-units" not in folder.build(*ask).stderr, f"{shift}")
+    done = folder.build(*JOINT, "--place", "ball=m.csv:1")
+    true("matrix-units" not in done.stderr, done.stderr)
+    folder.write("m.csv", matrix_table("ball_T", (0, 0, 0.1)))
+    done = folder.build(*JOINT, "--place", "ball=m.csv:1")
+    true('if they are in m, say --place-units "ball=m"; if they are in mm, --place-units "ball=mm" [matrix-units]' in done.stderr, done.stderr)
+
+
+@check
+def what_dea_run_warns_of_dea_build_tells_too(folder):
+    """The warnings of dea run of the model, word by word, but those that dea build tells in its own words; none twice."""
+    folder.write("few.csv", "tx,ty,tz\n0,0,0.02\n")
+    wide = (*JOINT[:4], "--uniform", "ball=1.9", "--uniform", "socket=1.9", "--reach", "6")
+    for words in ((*JOINT[:6], "--motion", "ball=few.csv"), (*wide, "--motion", "ball=few.csv"), (*JOINT[:-1], "ball=0,0,5")):
+        done = folder.build(*words, "--json", "j.json", "--report", "j.html", "--overwrite")
+        same(done.returncode, 0, done.stderr)
+        ran = folder.dea("run", "j.feb", "--no-xplt", "--states", "last")
+        expected = [line for line in ran.stderr.splitlines() if line.startswith("warning: ")]
+        told = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+        true(expected, f"{words}: dea run warns of nothing")
+        same([line for line in told if line.endswith("]")], expected, f"{words}")
+        same(len(told), len(set(told)), "told once")
+        made = json.loads(folder.read("j.json"))
+        for line in expected:
+            true(line.removeprefix("warning: ") in made["warnings"], line)
+        same([f"[{f['code']}]" for f in made["finding_values"]], [line[line.rindex("["):] for line in expected], "codes")
+        true(all(json.dumps(f["code"])[1:-1] in folder.read("j.html") for f in made["finding_values"]), "the page")
+        same(folder.build(*words, "-q").stderr.count("["), 0, "-q, as dea run -q")
+    # a ball's own turn, which nothing resists: a note of dea run; and one on top of another, which stands on the brink
+    done = folder.build(*JOINT, "--free", "ball=x,y,z,Rw")
+    (held,) = [line for line in done.stderr.splitlines() if line.endswith("[motion-held]")]
+    true(held in folder.dea("run", "j.feb", "--no-xplt", "--states", "last").stderr.splitlines(), held)
+    folder.write("low.stl", stl(ball(16, 20)))
+    folder.write("high.stl", stl(ball(16, 20, (0, 0, 43.5))))
+    done = folder.build("--bone", "low=low.stl", "--bone", "high=high.stl", "--uniform", "low=1.5", "--uniform", "high=1.5", "--reach", "6", "--force", "high=0,0,-500")
+    ran = folder.dea("run", "j.feb", "--no-xplt", "--states", "last")
+    told, expected = ([line for line in text.splitlines() if "unstable" in line] for text in (done.stderr, ran.stderr))
+    true(len(expected) == 1 and told == expected, f"{expected} {told}")
 
 
 @check

@@ -87,6 +87,9 @@ FILES = {
     **make_knee.files(),
     "made_knee.feb": "dea build --bone femur=knee_femur.stl --cartilage femur=knee_femoral_cartilage.stl --bone tibia=knee_tibia.stl "
                      "--cartilage tibia=knee_tibial_cartilage.stl --ligaments knee_ligaments.csv --force tibia=0,0,700 -o made_knee.feb",
+    # where both bones lie as they are: in m, and the femur moved by angles
+    "bones.csv": ",".join(f"pelvis_T{i}{k}" for i in range(1, 5) for k in range(1, 5)) + "\n1,0,0,0,0,1,0,0,0,0,1,0.00005,0,0,0,1\n",
+    "moves.csv": "tx,ty,tz,rx,ry,rz\n0,0,2.25,0,0,0\n0,0,2.35,3,0,5\n",
     "femur_pose.txt": "1 0 0 0\n0 1 0 0\n0 0 1 0.05\n0 0 0 1\n",
     "landmarks.csv": stl_shapes.LANDMARKS,
     "hip_frames.xml": "dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --landmarks landmarks.csv "

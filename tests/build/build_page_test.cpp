@@ -36,6 +36,7 @@ struct Squares {
   std::vector<BuildBalance> balances;
   std::vector<double> times;
   Anatomy anatomy;
+  Findings of_run;
   std::string output = "folder/joint.feb";
 
   explicit Squares(const std::string& name) {
@@ -60,9 +61,10 @@ struct Squares {
     balances.resize(1);
     balances[0].words = "no balance </script>";
     balances[0].displacement.assign(2, Vector3d::Zero());
+    of_run.push_back({"never-touching"});
   }
   Page page() const {
-    const BuildSummary summary{output, joint, report, model, balances, times, anatomy};
+    const BuildSummary summary{output, joint, report, model, balances, times, anatomy, of_run};
     Page p;
     p.html = build_page_html({summary,
                               request,
@@ -102,8 +104,8 @@ TEST(BuildPage, ItsMapsAreTheAnswerOnPaper) {
 TEST(BuildPage, ItsTablesAreThoseOfTheProgram) {
   const Squares squares("lower");
   const Page page = squares.page();
-  const BuildSummary s{squares.output,   squares.joint, squares.report, squares.model,
-                       squares.balances, squares.times, squares.anatomy};
+  const BuildSummary s{squares.output,   squares.joint, squares.report,  squares.model,
+                       squares.balances, squares.times, squares.anatomy, squares.of_run};
   const std::vector<TitledTable> tables = build_tables(s);
   ASSERT_EQ(page.report["tables"].size(), tables.size() + 1);  // and the options
   for (std::size_t i = 0; i < tables.size(); ++i)
@@ -111,7 +113,12 @@ TEST(BuildPage, ItsTablesAreThoseOfTheProgram) {
   EXPECT_EQ(page.report["tables"].back()["rows"][0], Json({"reach", "5 mm", "as given"}));
   EXPECT_EQ(page.report["title"], "joint");
   EXPECT_TRUE(page.report["hip_figure"].is_null());
-  EXPECT_EQ(page.report["warnings"].size(), 1U);
+  ASSERT_EQ(page.report["warnings"].size(), 2U);  // its own, and that of dea run
+  EXPECT_EQ(page.report["warnings"][1],
+            "the surfaces touch in no state: the motions that are prescribed bring them nowhere together "
+            "[never-touching]");
+  EXPECT_EQ(build_json(s)["warnings"], page.report["warnings"]);
+  EXPECT_EQ(build_json(s)["finding_values"][0]["code"], "never-touching");
 }
 
 TEST(BuildPage, NamesAreNoMarkup) {

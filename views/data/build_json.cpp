@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "io/settings/settings_xml.h"
 #include "src/base/numbers.h"
 #include "src/rules/look.h"
+#include "src/rules/rules.h"
 #include "src/version.h"
 #include "views/data/build_json.h"
 #include "views/text/table.h"
@@ -187,7 +189,15 @@ std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildRep
   return lines;
 }
 
-std::vector<std::string> build_warnings(const BuildSummary& s) {
+std::vector<std::string> coded(const Findings& findings) {
+  std::vector<std::string> lines;
+  for (const Finding& f : findings)
+    lines.push_back(
+        fmt::format("{}{}{} [{}]", f.place, f.place.empty() ? "" : ": ", worded(f, command_line_wording()), f.code));
+  return lines;
+}
+
+std::vector<std::string> own_warnings(const BuildSummary& s) {
   std::vector<std::string> lines = s.anatomy.warnings;
   for (const std::string& change : change_warnings(s.joint, s.report)) lines.push_back(change);
   if (const std::string odd = modulus_question(s.model); !odd.empty()) lines.push_back(odd);
@@ -197,6 +207,13 @@ std::vector<std::string> build_warnings(const BuildSummary& s) {
       lines.push_back(s.balances.size() == 1
                           ? "dea finds no balance under the force: " + b.words
                           : fmt::format("dea finds no balance under the load at time {:g}: {}", b.time, b.words));
+  return lines;
+}
+
+std::vector<std::string> build_warnings(const BuildSummary& s) {
+  std::vector<std::string> lines = own_warnings(s);
+  const std::vector<std::string> of_run = coded(s.of_run);
+  lines.insert(lines.end(), of_run.begin(), of_run.end());
   return lines;
 }
 
@@ -246,6 +263,7 @@ Json build_json(const BuildSummary& s) {
   j["frames"] = list_json(s.anatomy.frames, frame_json);
   j["hip"] = s.anatomy.hip ? hip_json(*s.anatomy.hip) : Json(nullptr);
   j["warnings"] = build_warnings(s);
+  j["finding_values"] = findings_json(s.of_run);
   j["ligaments"] = list_json(s.joint.ligaments, [&](const BuiltLigament& l) { return ligament_json(s.joint, l); });
   return j;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/build/anatomy.h"
 #include "src/build/build_joint.h"
 #include "src/results/headline.h"
@@ -33,6 +34,7 @@ struct BuildSummary {
   const std::vector<BuildBalance>& balances;  ///< one per load
   const std::vector<double>& load_times;      ///< of the table, per load; empty: there is none
   const Anatomy& anatomy;
+  const Findings& of_run;  ///< of tables, and what dea run warns of the model and dea build not in words of its own
 };
 
 bool all_balanced(const BuildSummary& summary);
@@ -44,8 +46,13 @@ std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildRepo
 std::string modulus_question(const BuiltModelSettings& model);
 /// Layers whose thickness had to change by much over a part of their area that matters, a line each.
 std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report);
+/// In words, with the codes, as dea run tells them behind "warning: " or "note: ".
+std::vector<std::string> coded(const Findings& findings);
+
 /// What was measured against the axes or the side, layers that changed, a modulus that no cartilage has, loads that no
 /// joint bears, loads without a balance; a line each.
+std::vector<std::string> own_warnings(const BuildSummary& summary);
+/// The same, and what dea run warns of, with the codes.
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.
