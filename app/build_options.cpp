@@ -14,8 +14,9 @@ the bone. The cartilage of a bone is one of
   --thickness-at NAME=FILE  a table with columns x, y, z, thickness; the nearest point counts
 A bone with none of them is bare. --place puts a bone where it stands before anything is measured. The first step of the
 model seats the loaded bones where dea finds them in balance; the second has the force, or the forces of a table row by row.
---free says in which motions a bone is free (Ru: the turn about x), --motion moves one, --ligaments joins them. dea run solves
-the model, and so does FEBio. Notes on standard error say what dea inferred; docs/from_scans.md has more.
+--free says in which motions a bone is free (Ru: the turn about x), --motion moves one bone, --ligaments joins them. dea run
+solves the model, and so does FEBio; with --states 2:5 it shows four rows of a table without the states that seat the bones. Notes
+on standard error say what dea inferred; docs/from_scans.md has more.
 
 In frame:pelvis x points forwards, y up and z to the right of the body, for a left hip too.
 
@@ -25,6 +26,7 @@ Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --landmarks landmarks.csv --force femur=frame:pelvis,250,1800,-400 --frames hip_frames.xml --hip-figure hip_figure.svg -o hip.feb
   dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --place femur=femur_pose.txt --free femur=x,z --force femur=432,-262,1834 -o placed.feb
+  dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --place pelvis=bones.csv:1 --place-columns pelvis=pelvis_T --place-units pelvis=m --motion femur=moves.csv --motion-rotation zxy --motion-units deg-mm -o moved.feb
   dea build --bone femur=knee_femur.stl --cartilage femur=knee_femoral_cartilage.stl --bone tibia=knee_tibia.stl --cartilage tibia=knee_tibial_cartilage.stl --center femur=0,0,0 --motion femur=knee_flexion.csv --motion-rotation zxy --motion-units deg-mm --ligaments knee_ligaments.csv --force tibia=0,0,700 -o made_knee.feb)";
 
 }  // namespace

@@ -161,7 +161,7 @@ def outputs_of(command):
 
 def inputs_of(command):
     words = shlex.split(command.partition(">")[0].partition("&&")[0])
-    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db|stl|txt|tfm)$", word)]
+    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db|stl|txt|tfm)(?=$|:\d+$)", word)]  # FILE:ROW
     return sorted(set(found) - set(outputs_of(command)))
 
 

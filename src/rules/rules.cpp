@@ -514,7 +514,8 @@ std::vector<Rule> all_rules() {
       told("step-seats-bones", "Skip the steps if the motion is not meant.",
            {{N,
              "step {step} moves body \"{body}\", and the last step lets it go: if it only seats the bones, as finite "
-             "elements need, {skip} starts the last step without it"}}),
+             "elements need, {skip} starts the last step without it, and solves its end alone where no table has "
+             "rows"}}),
       told("states-thinned", "Name states to have others.",
            {{N,
              "of the model's {steps:.0f} time steps {solved} are solved, evenly chosen: each is an equilibrium of its "
