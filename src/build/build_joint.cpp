@@ -541,7 +541,7 @@ void refuse_shared_space(const BuiltJoint& joint, BuildReport& report) {
       if (first.body != second.body || first.bare || second.bare) continue;
       const SharedSpace shared = shared_space(first, second);
       const std::string found = fmt::format(
-          "{:.4g} mm^2 of articular surface, {:.2g} % of the smaller one's, whose columns lie in the other, "
+          "{:.4g} mm^2 of articular surface, {:.3g} % of the smaller one's, whose columns lie in the other, "
           "as at {}",
           shared.area, 100 * shared.share, place_text(shared.where));
       // a part of a layer's area that matters; dea takes a state for no solution if two partners press as much twice
