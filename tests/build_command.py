@@ -402,14 +402,14 @@ def cartilage_that_lies_in_its_bone_is_a_warning(folder):
 
 @check
 def a_balance_that_ends_at_a_thin_place_names_it(folder):
-    """A plate on 2 mm of cartilage, above a spike of the bone that leaves 0.25 mm. 2700 N on 400 mm^2 press by 15 % of 2 mm, which is
+    """A plate on 2 mm of cartilage, above a stump of the bone that leaves 0.25 mm. 2700 N on 400 mm^2 press by 15 % of 2 mm, which is
     more than is there."""
-    def spike(p):
-        return (p[0], p[1], 1.75) if math.hypot(p[0], p[1]) < 0.1 and abs(p[2]) < 1e-9 else p
-    folder.write("spiked.stl", stl(moved(block(20, 20, 10, 10, -10, True, lambda x, y: 0.0), spike)))
+    def stump(p):
+        return (p[0], p[1], 1.75) if math.hypot(p[0], p[1]) < 1.6 and abs(p[2]) < 1e-9 else p
+    folder.write("stump.stl", stl(moved(block(20, 20, 10, 10, -10, True, lambda x, y: 0.0), stump)))
     folder.write("outer.stl", stl(sheet(20, 20, lambda u, v: (20 * u - 10, 20 * v - 10, 2))))
     folder.write("plate.stl", stl(block(20, 20, 12, 12, 12, False, lambda x, y: 2.01)))
-    words = ("--bone", "tibia=spiked.stl", "--cartilage", "tibia=outer.stl", "--bone", "femur=plate.stl", "--free", "femur=z", "-q")
+    words = ("--bone", "tibia=stump.stl", "--cartilage", "tibia=outer.stl", "--bone", "femur=plate.stl", "--free", "femur=z", "-q")
     done = folder.build(*words, "--force", "femur=0,0,-2700", "--json", "j.json")
     same(done.returncode, 1, done.stderr)
     true("at a thin or rough place, " in done.stderr and "where tibia_cartilage is thin, 0." in done.stderr, done.stderr)
