@@ -177,7 +177,8 @@ std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildRep
     if (thin.part > kMuchArea)
       lines.push_back(fmt::format(
           "{}: found it thinner than its least thickness, {:.2g} mm, over {:.2g} % of its area, {:.2g} mm at "
-          "the least, at {}: lines through it had to be turned; a smoother surface or other triangles "
+          "the least, at {}: lines through it lean there, or its surface is rough; a smoother surface or other "
+          "triangles "
           "(--edge) may do",
           joint.layers[l].name, thin.least, 100 * thin.part, thin.thinnest, vector_text(thin.where)));
     if (!much_changed(c)) continue;
