@@ -546,10 +546,10 @@ void refuse_shared_space(const BuiltJoint& joint, BuildReport& report) {
           shared.area, 100 * shared.share, place_text(shared.where));
       // a part of a layer's area that matters; dea takes a state for no solution if two partners press as much twice
       if (shared.share > kMuchArea)
-        throw InputError(
-            fmt::format("{} and {}: found {}, expected layers of one bone side by side, for both would bear the load "
-                        "there; leave one out of the cartilage's file, or cut them so that they end where they meet",
-                        first.name, second.name, found));
+        throw InputError(fmt::format(
+            "{} and {}: found {}, expected layers of one bone side by side, for both would bear the load "
+            "there; leave one out of the file or region of cartilage, or cut them so that they end where they meet",
+            first.name, second.name, found));
       if (shared.area > 0)
         report.findings.push_back(
             fmt::format("{} and {}: {}; the load counts twice where both are pressed", first.name, second.name, found));
