@@ -20,6 +20,7 @@
 #include "src/build/remesh.h"
 #include "src/rules/rules.h"
 #include "src/run/analysis.h"
+#include "src/springs/spring_law.h"
 #include "views/build_page/build_page.h"
 #include "views/data/build_json.h"
 #include "views/data/json.h"
@@ -39,6 +40,73 @@ std::string without_options(Fault fault) {
   return words;
 }
 
+/// A spring that is strained too far where a layer is thin or its facets lean. The search knows of no places, and takes
+/// the load or the whole layer for the reason.
+struct OddSpring {
+  std::size_t contact = 0;
+  int side = 0;                       ///< of the thinner layer, as a part of its mean; 0: primary, 1: secondary
+  double part = 1.0;                  ///< of its mean thickness
+  double lean = 0.0;                  ///< between the spring and the normal of the surface opposite [rad]
+  double strain = 0.0;                ///< infinite: the layers are not as thick as the surfaces lie in each other
+  Vector3d where = Vector3d::Zero();  ///< in that layer, as it was built
+
+  bool thin() const { return part < 0.5; }
+  bool odd() const { return thin() || lean > 30 / kDegreesPerRadian; }
+};
+
+OddSpring spring_at(const Joint& joint, const Equilibrium& e, std::size_t contact, std::size_t spring) {
+  const ContactPair& pair = joint.contacts[contact];
+  const SpringStates& s = e.springs[contact];
+  OddSpring found;
+  found.contact = contact;
+  found.lean = std::acos(std::clamp(-s.direction[spring].dot(s.normal[spring]), -1.0, 1.0));
+  found.strain = s.too_deep[spring] ? kInfinity : s.strain[spring];
+  const double thickness[] = {s.t_source[spring], s.t_target[spring]};
+  const Vector3d ends[] = {s.foot[spring], s.end[spring]};
+  for (const int end : {0, 1}) {
+    const int side = end == 0 ? pair.source : 1 - pair.source;
+    const Layer& layer = pair.layers[side];
+    const double part = layer.rigid ? kInfinity : thickness[end] / layer.mean_thickness();
+    if (end == 1 && part >= found.part) continue;
+    const Pose& pose = e.poses[at(layer.body)];
+    found.side = side;
+    found.part = part;
+    found.where = joint.bodies[at(layer.body)].center_of_mass + pose.rotation.transpose() * (ends[end] - pose.center);
+  }
+  return found;
+}
+
+/// Goes on from the words of a balance that ended at strained springs; empty: few of them are at such places.
+std::string strained_places(const Joint& joint, const Equilibrium& e, const BuiltJoint& built) {
+  if (e.outcome != Outcome::BeyondStrainLimit) return "";
+  std::size_t strained = 0, odd = 0;
+  OddSpring worst;
+  for (std::size_t c = 0; c < e.springs.size(); ++c)
+    for (std::size_t i = 0; i < e.springs[c].strain.size(); ++i) {
+      if (!(e.springs[c].strain[i] > kStrainLimit) && !e.springs[c].too_deep[i]) continue;
+      const OddSpring spring = spring_at(joint, e, c, i);
+      ++strained;
+      if (!spring.odd()) continue;
+      if (odd++ == 0 || spring.strain > worst.strain) worst = spring;
+    }
+  if (odd == 0 || 2 * odd < strained) return "";
+  const ContactPair& pair = joint.contacts[worst.contact];
+  std::string name = pair.name;
+  for (const BuiltContact& c : built.contacts)
+    if (c.name == pair.name) name = built.layers[at(worst.side == 0 ? c.primary : c.secondary)].name;
+  const double mean = pair.layers[worst.side].mean_thickness();
+  const std::string place =
+      worst.thin() ? fmt::format("where {} is thin, {:.3g} mm at {} ({:.3g} in the mean)", name, worst.part * mean,
+                                 vector_text(worst.where), mean)
+                   : fmt::format("on a facet that leans by {:.0f} degrees to the surface opposite, at {} of {}",
+                                 worst.lean * kDegreesPerRadian, vector_text(worst.where), name);
+  return fmt::format(
+      "; {} at a thin or rough place, {}{}: that may be the reason rather than the load; smoother "
+      "surfaces, other triangles (--edge){} may do",
+      strained == 1 ? "it is" : fmt::format("{} of them are", odd), strained == 1 ? "" : "the worst ", place,
+      worst.thin() ? " or a greater least thickness (--least)" : "");
+}
+
 /// The pose that balances each load, by dea itself. `findings`: what dea run would tell of model and results.
 std::vector<BuildBalance> find_balances(const std::string& text, const std::string& path, const BuiltJoint& built,
                                         Progress& progress, Findings& findings) {
@@ -55,7 +123,12 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
     balances[i].turn.assign(built.bodies.size(), Vector3d::Zero());
   }
   try {
-    const Analysis analysis = analyse(recognise(std::move(model)), options);
+    const Recognition recognition = recognise(std::move(model));
+    std::vector<std::string> places(balances.size());
+    options.progress = [&](const StateResult& state, std::size_t i, std::size_t) {  // who keeps no springs afterwards
+      places[i] = strained_places(recognition.joint, state.equilibrium, built);
+    };
+    const Analysis analysis = analyse(recognition, options);
     findings = analysis.findings;
     for (std::size_t i = 0; i < balances.size(); ++i) {
       const StateResult& state = analysis.states.at(i);
@@ -65,6 +138,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const std::stri
       const Sentence& advice = state.equilibrium.advice;
       if (!words.empty() && words.back() == ';') words.pop_back();  // the advice would follow
       if (!advice.empty() && advice.settings.empty()) words += " " + worded(advice, command_line_wording());
+      words += places[i];
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
           if (analysis.joint.bodies[j].name == built.bodies[b].name) {

@@ -336,7 +336,7 @@ def joints_that_are_none_are_refused(folder):
     folder.write("around.stl", stl(ball(12, 40)))
     for socket_file, ball_file, words in (
             ("socket_m.stl", "ball_m.stl", "these look like m; --units m says"), ("socket.stl", "far.stl", "are the bones in one frame and unit?"),
-            ("socket.stl", "in.stl", "interpenetrate"), ("around.stl", "ball.stl", "are the bones in one frame and unit?"), ("ball.stl", "ball.stl", ""),
+            ("socket.stl", "in.stl", "interpenetrate"), ("around.stl", "ball.stl", "are the bones in one frame and unit?"), ("ball.stl", "ball.stl", "are both given the same file?"),
             ("socket.stl", "ball_m.stl", "")):
         done = folder.build("--bone", f"socket={socket_file}", "--bone", f"ball={ball_file}", "--half-gap", "max=3,min=0.5", "--force", "ball=0,0,500", "-q")
         same(done.returncode, 3, f"{socket_file}, {ball_file}: {done.stderr}")
@@ -398,6 +398,41 @@ def cartilage_that_lies_in_its_bone_is_a_warning(folder):
     true(words_of_it in done.stderr, done.stderr)
     true('"change":{' in folder.read("j.html"), "no map of the change")
     true(words_of_it in folder.build(*words, "-q").stderr, "quiet")
+
+
+@check
+def a_balance_that_ends_at_a_thin_place_names_it(folder):
+    """A plate on 2 mm of cartilage, above a stump of the bone that leaves 0.25 mm. 2700 N on 400 mm^2 press by 15 % of 2 mm, which is
+    more than is there."""
+    def stump(p):
+        return (p[0], p[1], 1.75) if math.hypot(p[0], p[1]) < 1.6 and abs(p[2]) < 1e-9 else p
+    folder.write("stump.stl", stl(moved(block(20, 20, 10, 10, -10, True, lambda x, y: 0.0), stump)))
+    folder.write("outer.stl", stl(sheet(20, 20, lambda u, v: (20 * u - 10, 20 * v - 10, 2))))
+    folder.write("plate.stl", stl(block(20, 20, 12, 12, 12, False, lambda x, y: 2.01)))
+    words = ("--bone", "tibia=stump.stl", "--cartilage", "tibia=outer.stl", "--bone", "femur=plate.stl", "--free", "femur=z", "-q")
+    done = folder.build(*words, "--force", "femur=0,0,-2700", "--json", "j.json")
+    same(done.returncode, 1, done.stderr)
+    true("at a thin or rough place, " in done.stderr and "where tibia_cartilage is thin, 0." in done.stderr, done.stderr)
+    true("or a greater least thickness (--least) may do" in done.stderr, done.stderr)
+    close(json.loads(folder.read("j.json"))["layers"][0]["thickness_least"], 0.25, 1e-6, "least thickness")
+    same(folder.build(*words, "--force", "femur=0,0,-100").returncode, 0, "a load that it bears")
+
+
+@check
+def layers_in_one_place_are_refused(folder):
+    """A tibia's sheet of cartilage that is twice in its file, once 0.01 mm lower."""
+    def sheets(*heights):
+        return stl([t for z in heights for t in sheet(20, 20, lambda u, v, z=z: (20 * u - 10, 20 * v - 10, z))])
+    folder.write("tibia.stl", stl(block(12, 12, 12, 12, -10, True, lambda x, y: 0.0)))
+    folder.write("femur.stl", stl(block(12, 12, 12, 12, 12, False, lambda x, y: 2.1)))
+    folder.write("once.stl", sheets(2))
+    folder.write("twice.stl", sheets(2, 1.99))
+    words = ("--bone", "tibia=tibia.stl", "--bone", "femur=femur.stl", "--free", "femur=z", "--force", "femur=0,0,-100", "-q")
+    same(folder.build(*words, "--cartilage", "tibia=once.stl").returncode, 0, "once")
+    done = folder.build(*words, "--cartilage", "tibia=twice.stl")
+    same(done.returncode, 3, done.stderr)
+    true("tibia_cartilage_1 and tibia_cartilage_2: found 400 mm^2 of articular surface, 100 % of the smaller one's" in done.stderr, done.stderr)
+    same(done.stderr.count("\n"), 1, done.stderr)
 
 
 @check

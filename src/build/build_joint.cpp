@@ -14,6 +14,7 @@
 #include "src/build/clear_overlap.h"
 #include "src/build/mend_surface.h"
 #include "src/build/remesh.h"
+#include "src/build/shared_space.h"
 
 namespace dea {
 
@@ -145,11 +146,29 @@ void refuse_crossing(const BuildRequest& request, const std::vector<Bone>& bones
                   place_text(s.points[at(t[0])])));
 }
 
+/// One surface under two names: no point of it lies inside the other, for all lie on it.
+void refuse_same_surface(const BuildRequest& request, const std::vector<Bone>& bones, std::size_t a, std::size_t b) {
+  const double tolerance = 1e-4 * size_of(bones[b].surface);
+  const auto box = box_of(bones[b].surface);
+  const std::vector<Vector3d>& points = bones[a].surface.points;
+  std::vector<char> on_other(points.size(), 0);
+  parallel_for(points.size(), [&](std::size_t i) {
+    on_other[i] = box.contains(points[i]) && distance_to(bones[b].caster, points[i]) < tolerance;
+  });
+  const auto count = static_cast<std::size_t>(std::count(on_other.begin(), on_other.end(), 1));
+  if (2 * count > points.size())
+    throw InputError(fmt::format(
+        "bones \"{}\" and \"{}\": found {} of {} points of the first on the surface of the second, expected "
+        "two bones; are both given the same file?",
+        request.bones[a].name, request.bones[b].name, count, points.size()));
+}
+
 /// Points of one bone within the other; an open one has no inside, there edges tell.
 void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones) {
   for (std::size_t a = 0; a < bones.size(); ++a)
     for (std::size_t b = 0; b < bones.size(); ++b) {
       if (a == b) continue;
+      refuse_same_surface(request, bones, a, b);
       if (!request.bones[b].closed) {
         refuse_crossing(request, bones, a, b);
         continue;
@@ -440,6 +459,7 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       for (const double t : beneath.thickness) mean += t / static_cast<double>(beneath.thickness.size());
       refuse_no_cartilage(request.bones[at(c.bone)].name, bone, beneath, mean);
       const double least = request.least_thickness.value_or(0.1 * mean);
+      said.thin.least = least;
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
       said.beside = static_cast<int>(std::count(beneath.beside.begin(), beneath.beside.end(), 1));
@@ -467,7 +487,7 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
 
 /// Up to which gap articular surfaces face each other.
 double joint_reach(const BuildReport& report, double reach) {
-  for (const LayerReport& l : report.layers) reach = std::max(reach, 3 * l.quality.mean_thickness);
+  for (const LayerReport& l : report.layers) reach = std::max(reach, 3 * l.quality.mean_line);
   return reach;
 }
 
@@ -484,7 +504,7 @@ void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport
           "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} ({})", joint.layers[l].name, r.fade,
           r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end",
           request.wording({"fade"})));
-    else if (r.rim.thickness > kThinRim * r.quality.mean_thickness)
+    else if (r.rim.thickness > kThinRim * r.quality.mean_line)
       report.findings.push_back(
           fmt::format("{}: ends at its rim, {:.3g} thick in the mean there; where it is pressed there, patches of "
                       "pressure follow the "
@@ -513,6 +533,36 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
   }
 }
 
+/// Layers of one bone lie side by side: where they take up the same space both would bear the load.
+void refuse_shared_space(const BuiltJoint& joint, BuildReport& report) {
+  for (std::size_t a = 0; a < joint.layers.size(); ++a)
+    for (std::size_t b = a + 1; b < joint.layers.size(); ++b) {
+      const BuiltLayer &first = joint.layers[a], &second = joint.layers[b];
+      if (first.body != second.body || first.bare || second.bare) continue;
+      const SharedSpace shared = shared_space(first, second);
+      const std::string found = fmt::format(
+          "{:.4g} mm^2 of articular surface, {:.3g} % of the smaller one's, whose columns lie in the other, "
+          "as at {}",
+          shared.area, 100 * shared.share, place_text(shared.where));
+      // a part of a layer's area that matters; dea takes a state for no solution if two partners press as much twice
+      if (shared.share > kMuchArea)
+        throw InputError(fmt::format(
+            "{} and {}: found {}, expected layers of one bone side by side, for both would bear the load "
+            "there; leave one out of the file or region of cartilage, or cut them so that they end where they meet",
+            first.name, second.name, found));
+      if (shared.area > 0)
+        report.findings.push_back(
+            fmt::format("{} and {}: {}; the load counts twice where both are pressed", first.name, second.name, found));
+    }
+}
+
+/// Segmented layers are raised to a least thickness; what gave way so that no element is inside out may be thinner.
+void find_thin_places(const BuiltJoint& joint, BuildReport& report) {
+  for (std::size_t l = 0; l < joint.layers.size(); ++l)
+    if (report.layers[l].thin.least > 0)
+      report.layers[l].thin = thin_places(joint.layers[l], report.layers[l].thin.least);
+}
+
 /// Half the gap that is asked for has a least thickness; what gave way to the other cartilage, or so that no element is
 /// inside out, may be thinner.
 void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, BuildReport& report) {
@@ -521,19 +571,19 @@ void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, Buil
     const auto own = [&](const CartilageRequest& c) { return c.bone == layer.body && c.way == Way::HalfGap; };
     const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
     if (cartilage == request.cartilages.end()) continue;
-    std::size_t below = 0, thinnest = 0;
-    const auto thickness = [&](std::size_t v) { return (layer.articular[v] - layer.bone[v]).norm(); };
-    for (std::size_t v = 0; v < layer.articular.size(); ++v) {
-      below += thickness(v) < (1 - 1e-6) * cartilage->least;
-      if (thickness(v) < thickness(thinnest)) thinnest = v;
-    }
+    const std::vector<double> thickness = layer_thickness(layer);
+    std::size_t below = 0;
+    for (std::size_t v = 0; v < thickness.size(); ++v)  // asked for along the lines through the layer
+      below += (layer.articular[v] - layer.bone[v]).norm() < (1 - 1e-6) * cartilage->least ||
+               thickness[v] < (1 - kMuchThinned) * cartilage->least;
+    const auto thinnest = std::min_element(thickness.begin(), thickness.end());
     report.layers[l].below_least = static_cast<int>(below);
     if (below > 0)
       report.findings.push_back(
           fmt::format("{}: {} of {} points thinner than the least thickness that was asked for, {:.4g}: {:.3g} at the "
                       "least, at {}; the bones are closer there than two such layers, or elements would be inside out",
-                      layer.name, below, layer.articular.size(), cartilage->least, thickness(thinnest),
-                      place_text(layer.articular[thinnest])));
+                      layer.name, below, layer.articular.size(), cartilage->least, *thinnest,
+                      place_text(layer.articular[static_cast<std::size_t>(thinnest - thickness.begin())])));
   }
 }
 
@@ -638,6 +688,8 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
     set_center(bone, static_cast<int>(b), joint, report);
   }
   thin_overlaps(request, reach, joint, report);
+  refuse_shared_space(joint, report);
+  find_thin_places(joint, report);
   tell_below_least(request, joint, report);
   tell_rims(request, joint, report);
   add_contacts(request, reach, joint, report);

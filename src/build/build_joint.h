@@ -75,6 +75,7 @@ struct LayerReport {
   int beside = 0;            ///< vertices with no bone beneath, for it is open and ends there: as thick as those around
   SheetChanges changes;
   SheetQuality quality;
+  ThinPlaces thin;    ///< of segmented layers
   double fade = 0.0;  ///< width over which it thins out before its rim; 0: it ends there
   SheetRim rim;
 };
@@ -94,8 +95,8 @@ struct BuildReport {
 /// Open surfaces become oriented such that they face the other bones; build_joint does that by itself.
 void turn_open_bones(BuildRequest& request, BuildReport& report);
 
-/// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
-/// bone, cartilage of which less than half can be meshed.
+/// Throws InputError: bones far apart or inside each other, layers of one bone in one place, no region, a cartilage
+/// surface that is nowhere near its bone, cartilage of which less than half can be meshed.
 BuiltJoint build_joint(const BuildRequest& request, BuildReport& report);
 
 }  // namespace dea

@@ -9,6 +9,7 @@
 #include "src/base/parallel.h"
 #include "src/build/mend_surface.h"
 #include "src/build/region.h"
+#include "src/geometry/thickness.h"
 
 namespace dea {
 
@@ -45,6 +46,15 @@ double column_jacobian(const BuiltLayer& layer, const Triangle& t, int elements_
 
 }  // namespace
 
+std::vector<double> layer_thickness(const BuiltLayer& layer) {
+  std::vector<double> thickness;
+  for (std::size_t v = 0; v < layer.bone.size(); ++v) thickness.push_back((layer.articular[v] - layer.bone[v]).norm());
+  const SurfaceMesh face = mesh_of(layer.face());
+  const std::vector<double> measured = measure_thickness(face, mesh_of({layer.bone, layer.triangles})).thickness;
+  for (std::size_t v = 0; v < measured.size(); ++v) thickness[at(face.model_nodes[v])] = measured[v];
+  return thickness;
+}
+
 SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
   SheetQuality q;
   q.area = area_of(layer.face());
@@ -57,13 +67,29 @@ SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
     q.inside_out += jacobian <= 0;
   }
   const std::vector<double> areas = point_areas(layer.face());
-  for (std::size_t v = 0; v < layer.bone.size(); ++v) {
-    const double thickness = (layer.articular[v] - layer.bone[v]).norm();
-    q.least_thickness = std::min(q.least_thickness, thickness);
-    q.most_thickness = std::max(q.most_thickness, thickness);
-    q.mean_thickness += thickness * areas[v] / q.area;
+  const std::vector<double> thickness = layer_thickness(layer);
+  for (std::size_t v = 0; v < thickness.size(); ++v) {
+    q.least_thickness = std::min(q.least_thickness, thickness[v]);
+    q.most_thickness = std::max(q.most_thickness, thickness[v]);
+    q.mean_thickness += thickness[v] * areas[v] / q.area;
+    q.mean_line += (layer.articular[v] - layer.bone[v]).norm() * areas[v] / q.area;
   }
   return q;
+}
+
+ThinPlaces thin_places(const BuiltLayer& layer, double least) {
+  ThinPlaces thin{least, 0.0, kInfinity, {}};
+  const std::vector<double> thickness = layer_thickness(layer), areas = point_areas(layer.face());
+  double all = 0;
+  for (std::size_t v = 0; v < thickness.size(); ++v) {
+    all += areas[v];
+    if (thickness[v] < (1 - kMuchThinned) * least) thin.part += areas[v];
+    if (thickness[v] >= thin.thinnest) continue;
+    thin.thinnest = thickness[v];
+    thin.where = layer.articular[v];
+  }
+  thin.part /= all;
+  return thin;
 }
 
 std::vector<double> prism_jacobians(const BuiltLayer& layer, int elements_through) {

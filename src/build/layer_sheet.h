@@ -8,20 +8,34 @@
 
 namespace dea {
 
+/// Per point of a layer its thickness as dea measures it: along the normal of the articular surface down to the bone's
+/// side, or to its closest point (measure_thickness). A line through the layer that was turned is longer.
+std::vector<double> layer_thickness(const BuiltLayer& layer);
+
 /// Quality of the prisms of a sheet divided into `elements_through`.
 struct SheetQuality {
   double least_jacobian = 0.0;  ///< least over all corners, scaled: 1 for a straight prism on an equilateral triangle
   double mean_jacobian = 0.0;   ///< mean of each prism's least
   int inside_out = 0;           ///< prisms with a Jacobian of zero or less at a corner
-  double least_thickness = 0.0, mean_thickness = 0.0, most_thickness = 0.0;
-  double area = 0.0;       ///< of the articular surface
-  double mean_edge = 0.0;  ///< of the articular surface
+  double least_thickness = 0.0, mean_thickness = 0.0, most_thickness = 0.0;  ///< as layer_thickness has it
+  double mean_line = 0.0;                                                    ///< length of the lines through the layer
+  double area = 0.0;                                                         ///< of the articular surface
+  double mean_edge = 0.0;                                                    ///< of the articular surface
 };
 SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through);
 
 /// Per prism its least Jacobian as above: of triangle t those at t * elements_through and behind, from the bone
 /// upwards. Empty: a bare bone.
 std::vector<double> prism_jacobians(const BuiltLayer& layer, int elements_through);
+
+/// Where a layer is thinner than it was to be.
+struct ThinPlaces {
+  double least = 0.0;                               ///< thickness that was asked for; 0: none was
+  double part = 0.0;                                ///< of the area: thinner than that by more than a tenth
+  double thinnest = 0.0;                            ///< there
+  Eigen::Vector3d where = Eigen::Vector3d::Zero();  ///< of the thinnest
+};
+ThinPlaces thin_places(const BuiltLayer& layer, double least);
 
 /// The edge of a layer, where it ends or has thinned out.
 struct SheetRim {

@@ -9,8 +9,8 @@
 
 #include "src/base/numbers.h"
 #include "src/geometry/ray_caster.h"
+#include "src/geometry/thickness.h"
 #include "src/joint/layer_support.h"
-#include "src/joint/thickness.h"
 
 namespace dea {
 

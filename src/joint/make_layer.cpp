@@ -11,12 +11,12 @@
 #include "src/base/say.h"
 #include "src/base/value_above.h"
 #include "src/geometry/ray_caster.h"
+#include "src/geometry/thickness.h"
 #include "src/joint/bare_surface.h"
 #include "src/joint/compartments.h"
 #include "src/joint/contact_side.h"
 #include "src/joint/extended_face.h"
 #include "src/joint/layer_support.h"
-#include "src/joint/thickness.h"
 
 namespace dea {
 

@@ -152,8 +152,7 @@ Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json&
   j["thickness"] = j["jacobian"] = j["change"] = nullptr;
   j["jacobians"] = nullptr;
   if (layer.bare) return j;
-  std::vector<double> thickness;
-  for (std::size_t v = 0; v < layer.bone.size(); ++v) thickness.push_back((layer.articular[v] - layer.bone[v]).norm());
+  const std::vector<double> thickness = layer_thickness(layer);
   ranges.thickness.add(thickness);
   j["thickness"] = arrays.add(pack_floats(floats(at_points(thickness, numbers))));
 

@@ -50,6 +50,10 @@ Json layer_json(const BuildSummary& s, std::size_t l) {
   j["thickness_changed_part"] = number(r.changes.changed_part);
   j["points_moved"] = r.changes.moved;
   j["most_moved"] = json_number(r.changes.most_moved);
+  const bool least = r.thin.least > 0;
+  j["least_wanted"] = least ? json_number(r.thin.least) : Json(nullptr);
+  j["thin_part"] = least ? json_number(r.thin.part) : Json(nullptr);
+  j["thinnest_at"] = least ? json_vector(r.thin.where) : Json(nullptr);
   return j;
 }
 
@@ -171,6 +175,14 @@ std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildRep
   std::vector<std::string> lines;
   for (std::size_t l = 0; l < joint.layers.size(); ++l) {
     const SheetChanges& c = report.layers[l].changes;
+    const ThinPlaces& thin = report.layers[l].thin;
+    if (thin.part > kMuchArea)
+      lines.push_back(fmt::format(
+          "{}: found it thinner than its least thickness, {:.2g} mm, over {:.2g} % of its area, {:.2g} mm at "
+          "the least, at {}: lines through it lean there, or its surface is rough; a smoother surface or other "
+          "triangles "
+          "(--edge) may do",
+          joint.layers[l].name, thin.least, 100 * thin.part, thin.thinnest, vector_text(thin.where)));
     if (!much_changed(c)) continue;
     std::string found;
     if (c.changed_part > kMuchArea)

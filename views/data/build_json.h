@@ -44,7 +44,8 @@ bool all_balanced(const BuildSummary& summary);
 std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report);
 /// A modulus that no cartilage has; empty: it is none.
 std::string modulus_question(const BuiltModelSettings& model);
-/// Layers whose thickness had to change by much over a part of their area that matters, a line each.
+/// Layers whose thickness had to change by much, or is less than it was to be, over a part of their area that matters;
+/// a line each.
 std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report);
 /// In words, with the codes, as dea run tells them behind "warning: " or "note: ".
 std::vector<std::string> coded(const Findings& findings);

@@ -33,6 +33,10 @@ std::vector<std::string> changes_of(const LayerReport& r) {
   if (r.raised > 0 && c.wanted_area > 0)
     parts.push_back(
         fmt::format("raised to the least thickness over {} of its area", percent(r.raised_area / c.wanted_area)));
+  if (r.thin.part > 0)
+    parts.push_back(fmt::format(
+        "thinner than the least thickness, {} mm, over {} of its area: {} mm at the least, at {}",
+        four_digits(r.thin.least), percent(r.thin.part), four_digits(r.thin.thinnest), vector_text(r.thin.where)));
   const auto add = [&](int count, const char* noun, const char* what) {
     if (count > 0) parts.push_back(fmt::format("{} {}{} {}", count, noun, count == 1 ? "" : "s", what));
   };

@@ -1,4 +1,4 @@
-// src/joint/thickness.h – cartilage thickness of a layer, measured between its two surfaces.
+// src/geometry/thickness.h – cartilage thickness of a layer, measured between its two surfaces.
 #pragma once
 #include <vector>
 

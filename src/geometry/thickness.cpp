@@ -1,4 +1,4 @@
-#include "src/joint/thickness.h"
+#include "src/geometry/thickness.h"
 
 #include <algorithm>
 
