@@ -42,6 +42,24 @@ double facet_size(const ResultSurface& s) {
   return s.facets() > 0 ? std::sqrt(area / s.facets()) : 0.0;
 }
 
+/// Sets `around`.
+void find_facets_around(ResultSurface& s) {
+  std::vector<std::vector<int>> of_vertex(s.mesh.vertices.size());
+  std::vector<int> vertices;
+  for (int f = 0; f < s.facets(); ++f) {
+    distinct_vertices(s, f, vertices);
+    for (int v : vertices) of_vertex[at(v)].push_back(f);
+  }
+  for (int f = 0; f < s.facets(); ++f) {
+    distinct_vertices(s, f, vertices);
+    const auto first = static_cast<std::ptrdiff_t>(s.around.size());
+    for (int v : vertices)
+      for (int g : of_vertex[at(v)])
+        if (g != f && std::find(s.around.begin() + first, s.around.end(), g) == s.around.end()) s.around.push_back(g);
+    s.around_begin.push_back(static_cast<int>(s.around.size()));
+  }
+}
+
 /// Integral over an interval of max(0, e) where e goes linearly from a to b.
 double positive_part(double a, double b, double dt) {
   if (a >= 0 && b >= 0) return 0.5 * (a + b) * dt;
@@ -76,6 +94,7 @@ ResultSurface make_result_surface(const std::string& name, const std::vector<int
   }
   for (std::size_t f = 0; f < s.facet_areas.size(); ++f)
     if (s.facet_areas[f] > 0) s.facet_centers[f] /= s.facet_areas[f];
+  find_facets_around(s);
   return s;
 }
 

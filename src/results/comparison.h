@@ -25,6 +25,8 @@ struct ResultSurface {
   std::vector<double> facet_areas;      ///< sum of the facet's triangles
   std::vector<Vector3d> area_vectors;   ///< the same with their normals
   std::vector<Vector3d> facet_centers;  ///< centroid
+  std::vector<int> around_begin = {0};  ///< facets that share a node with facet i: around[around_begin[i]] and on
+  std::vector<int> around;
   int facets() const { return static_cast<int>(begin.size()) - 1; }
 };
 /// `nodes`: indices into `positions`, per slot.
