@@ -76,7 +76,7 @@ struct PressedFacets {
   /// By least squares from the heights of the facets around. A direction in which these hardly spread gets no slope: of
   /// a row of facets that across it.
   Vector3d slope(int f, const std::vector<Plane>& planes) const {
-    constexpr double kSpread = 0.01;
+    constexpr double kSpread = 1e-3;
     Vector3d normal = Vector3d::Zero();
     for (int t = begin[at(f)]; t < begin[at(f + 1)]; ++t)
       normal += surface.mesh.areas[at(t)] * surface.mesh.normals[at(t)];

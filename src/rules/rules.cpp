@@ -212,7 +212,7 @@ std::vector<Rule> all_rules() {
           "smeared-map", "Use the springs' own numbers, or mesh this surface finer.",
           {{W,
             "contact \"{contact}\": at time {time} the facets of surface \"{surface}\" are too long for this contact's "
-            "map: averages at its nodes give area {area:.3g}, mean {mean:.3g}, p99 {p99:.3g}, the springs themselves "
+            "map: their averages give area {area:.3g}, mean {mean:.3g}, p99 {p99:.3g}, the springs themselves "
             "{springs_area:.3g}, {springs_mean:.3g}, {springs_p99:.3g}; mesh this surface finer"}},
           smeared_map),
       of_result("crowded-force", "Look at the mesh, or divide the facets.",
