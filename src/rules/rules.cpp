@@ -551,8 +551,8 @@ std::vector<Rule> all_rules() {
       quiet("facet-size", "Nothing: a warning tells where contact is narrow.",
             {{N,
               "contact \"{contact}\": its facets are up to {size:.2g} thicknesses long ({sizes}): force, p99 and peak "
-              "are right to about 3% where contact is 8 facets wide, less where it is narrower; area and mean need a "
-              "finer mesh; dea converge or {refine} tell"}}),
+              "are right to about 3%, area and mean to 5%, where contact is 8 facets wide, less where it is narrower; "
+              "dea converge or {refine} tell"}}),
       quiet("shared-layer", "Nothing: they are solved together.",
             {{N, "contacts {contacts} press one layer of cartilage, surface {surfaces}: solved together"},
              {N, "contacts {contacts} press one layer of cartilage, surfaces {surfaces}: solved together"}}),
