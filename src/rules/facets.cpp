@@ -95,7 +95,7 @@ Findings crowded_force(const JointModel&, const Joint& joint, const SolvedStates
 /// A map whose facets are too long to show what presses them: of two or three facets, or where pressure ends at an edge
 /// within facets, their averages do not tell how much of each is pressed, as the springs do.
 Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  constexpr double kFar = 1.2;  // pressure that fades out: contact less than 4 facets wide; that of a block: 7
+  constexpr double kFar = 1.2;  // pressure that fades out: contact of 3 facets; that of a block: of 7
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
     const ContactStatistics& s = c.statistics;
