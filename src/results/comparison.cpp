@@ -44,18 +44,15 @@ double facet_size(const ResultSurface& s) {
 
 /// Sets `around`.
 void find_facets_around(ResultSurface& s) {
-  std::vector<std::vector<int>> of_vertex(s.mesh.vertices.size());
+  std::vector<std::vector<int>> around(s.mesh.vertices.size());
   std::vector<int> vertices;
   for (int f = 0; f < s.facets(); ++f) {
     distinct_vertices(s, f, vertices);
-    for (int v : vertices) of_vertex[at(v)].push_back(f);
+    for (int v : vertices) around[at(v)].push_back(f);
   }
-  for (int f = 0; f < s.facets(); ++f) {
-    distinct_vertices(s, f, vertices);
-    const auto first = static_cast<std::ptrdiff_t>(s.around.size());
-    for (int v : vertices)
-      for (int g : of_vertex[at(v)])
-        if (g != f && std::find(s.around.begin() + first, s.around.end(), g) == s.around.end()) s.around.push_back(g);
+  s.around_begin = {0};
+  for (const std::vector<int>& facets : around) {
+    s.around.insert(s.around.end(), facets.begin(), facets.end());
     s.around_begin.push_back(static_cast<int>(s.around.size()));
   }
 }

@@ -49,11 +49,32 @@ struct PressedFacets {
   const std::vector<int> begin = triangle_begin(surface);
   bool pressed(int f) const { return pressure[at(f)] > 0 && begin[at(f)] < begin[at(f + 1)]; }
 
+  /// Calls `visit` for each other facet that shares a vertex, once.
+  template <class Visit>
+  void each_around(int f, const Visit& visit) const {
+    const ResultSurface& s = surface;
+    const auto first = s.slot_vertex.begin() + s.begin[at(f)], last = s.slot_vertex.begin() + s.begin[at(f + 1)];
+    for (auto v = first; v != last; ++v) {
+      if (*v < 0) continue;
+      for (int k = s.around_begin[at(*v)]; k < s.around_begin[at(*v + 1)]; ++k) {
+        const int g = s.around[at(k)];
+        const bool met = std::any_of(s.slot_vertex.begin() + s.begin[at(g)], s.slot_vertex.begin() + s.begin[at(g + 1)],
+                                     [&](int other) { return other >= 0 && std::find(first, v, other) != v; });
+        if (g != f && !met) visit(g);
+      }
+    }
+  }
+
   /// Has the facet, or one around it, no more than `above`?
   bool at_edge(int f, double above) const {
-    const auto first = surface.around.begin() + surface.around_begin[at(f)],
-               last = surface.around.begin() + surface.around_begin[at(f + 1)];
-    return !(pressure[at(f)] > above) || !std::all_of(first, last, [&](int g) { return pressure[at(g)] > above; });
+    const ResultSurface& s = surface;
+    const auto pressed_all_round = [&](int v) {
+      return v < 0 ||
+             std::all_of(s.around.begin() + s.around_begin[at(v)], s.around.begin() + s.around_begin[at(v + 1)],
+                         [&](int g) { return pressure[at(g)] > above; });
+    };
+    return !std::all_of(s.slot_vertex.begin() + s.begin[at(f)], s.slot_vertex.begin() + s.begin[at(f + 1)],
+                        pressed_all_round);
   }
 
   /// Where the plane is above `above` on the facet.
@@ -84,15 +105,14 @@ struct PressedFacets {
     const Vector3d across = normal.unitOrthogonal(), along = normal.normalized().cross(across);
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
     Eigen::Vector2d rise = Eigen::Vector2d::Zero();
-    for (int k = surface.around_begin[at(f)]; k < surface.around_begin[at(f + 1)]; ++k) {
-      const int g = surface.around[at(k)];
+    each_around(f, [&](int g) {
       const Vector3d to = surface.facet_centers[at(g)] - surface.facet_centers[at(f)];
       const double weight = 1.0 / to.squaredNorm();
-      if (!pressed(g) || !std::isfinite(weight)) continue;
+      if (!pressed(g) || !std::isfinite(weight)) return;
       const Eigen::Vector2d d(to.dot(across), to.dot(along));
       spread += weight * d * d.transpose();
       rise += weight * (planes[at(g)].height - planes[at(f)].height) * d;
-    }
+    });
     const double some = kSpread * spread.trace();
     if (!(some > 0)) return Vector3d::Zero();
     const Eigen::Vector2d slope = (spread + some * Eigen::Matrix2d::Identity()).inverse() * rise;
