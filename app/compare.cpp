@@ -27,10 +27,11 @@ Compared is the `contact pressure` per facet of every file, in the reference con
 averages of the facets around each node; the area of a node is a quarter of each quad around it and a third of each triangle.
 Single facets of finite elements are noisy: trust the averages.
 
-p99, mean, area and peak have one definition for every result, that of `dea run`: of nodes above 5 % of the load's mean
-pressure (the sum of p^2 A over the sum of p A, of the whole surface), weighted by the nodes' areas. --details adds peak, mean,
-median and percentiles of nodes and of facets, area-weighted, over places with p > 0 or above a --threshold. "resultant" is
-|sum of p A n|.
+p99, mean, area and peak have one definition for every result, that of `dea run`: of what is above 5 % of the load's mean
+pressure (the sum of p^2 A over the sum of p A, of the whole surface). Area and mean are those within the edge of contact, which
+runs through facets: in each facet there pressure falls linearly to 0, as the facets around it say, and the facet keeps its
+force. p99 and peak are of nodes, weighted by area. --details adds peak, mean, median and percentiles of nodes and of facets,
+area-weighted, over places with p > 0 or above a --threshold. "resultant" is |sum of p A n|.
 
 Correlation (Pearson), rms, mean and largest difference are of nodes where either pressure is above 0, area-weighted. Dice is
 twice the common contact area over the sum of both areas. If meshes differ, nodal values are carried to the reference's nodes

@@ -32,9 +32,9 @@ Files may be dea's or FEBio's, compressed or not. Exit code 1: a state on the pi
 Facets are drawn as they are, in the reference configuration. All panels have
 one scale, that of all states of the files, as on the page of --report; colours have 128 steps. Lines of equal value, and
 --smooth, are of nodal averages (area-weighted, of the facets around each node). With --smooth the edge of contact encloses as
-much area as the facets with pressure do. Numbers of pressure are those of `dea run` and `dea compare`: of nodes above 5 % of
-the load's mean pressure. Numbers of other fields and of differences are of facets, with --smooth of nodes. Grey is no contact,
-or a value of exactly 0.
+much area as the facets with pressure do. Numbers of pressure are those of `dea run` and `dea compare`: of what is
+above 5 % of the load's mean pressure. Numbers of other fields and of differences are of facets, with --smooth of nodes. Grey is
+no contact, or a value of exactly 0.
 
 Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
 against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted

@@ -34,9 +34,10 @@ Standard output has the table of results, or only JSON or CSV with --json -, --c
 All else is on standard error.
 
 p99, mean, area and peak have one definition, also in `dea compare`, `dea plot`, pages, JSON (headline) and CSV (headline_...).
-They are of the nodes of the surface with springs, weighted by the nodes' areas; a node has the area-weighted average of the
-facets around it. Nodes count above 5 % of the load's mean pressure, which is the sum of p^2 A over the sum of p A. --details
-prints all other numbers. docs/results.md explains every key of JSON and column of CSV.
+They are of what is above 5 % of the load's mean pressure (the sum of p^2 A over the sum of p A) on the surface with springs.
+Area and mean are those within the edge of contact, which runs through facets: in each facet there pressure falls linearly to 0,
+as the facets around it say, and the facet keeps its force. p99 and peak are of nodes, averages of the facets around each,
+weighted by area. --details prints all other numbers. docs/results.md explains every key of JSON and column of CSV.
 
 Examples:
   dea run hip.feb

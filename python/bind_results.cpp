@@ -323,8 +323,8 @@ void bind_nodes(py::module_& m) {
              "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.",
              [](const NodesView& v) { return view_of(mesh_of(v).triangles, v.of.in.owner); })
       .value("area",
-             "(nodes,) a third of each triangle around it, reference; the headline numbers take a quarter of each\n"
-             "quadrilateral (docs/theory.md, 6.1).",
+             "(nodes,) a third of each triangle around it, reference; p99 and peak of the headline take a quarter of\n"
+             "each quadrilateral (docs/theory.md, 6.1).",
              [](const NodesView& v) { return view_of(mesh_of(v).vertex_areas, v.of.in.owner); })
       .value("pressure", "(nodes,) area-weighted mean of the facets around.",
              [](const NodesView& v) { return view_of(v.fields().vertex_pressure, v.of.in.owner); })

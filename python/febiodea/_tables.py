@@ -8,7 +8,8 @@ from typing import NamedTuple
 class Headline(NamedTuple):
     """The one set of numbers that a pressure map is summed up by (docs/theory.md, 6.1).
 
-    Of the nodes above the pressure `above`, weighted by their areas; NaN, and area 0: there are none.
+    Of what is above the pressure `above`; NaN, and area 0: nothing is. `area` and `mean` are those within the edge of
+    contact, which runs through facets; `p99` and `peak` of nodes, weighted by their areas.
     """
     p99: float
     mean: float

@@ -42,6 +42,21 @@ double facet_size(const ResultSurface& s) {
   return s.facets() > 0 ? std::sqrt(area / s.facets()) : 0.0;
 }
 
+/// Sets `around`.
+void find_facets_around(ResultSurface& s) {
+  std::vector<std::vector<int>> around(s.mesh.vertices.size());
+  std::vector<int> vertices;
+  for (int f = 0; f < s.facets(); ++f) {
+    distinct_vertices(s, f, vertices);
+    for (int v : vertices) around[at(v)].push_back(f);
+  }
+  s.around_begin = {0};
+  for (const std::vector<int>& facets : around) {
+    s.around.insert(s.around.end(), facets.begin(), facets.end());
+    s.around_begin.push_back(static_cast<int>(s.around.size()));
+  }
+}
+
 /// Integral over an interval of max(0, e) where e goes linearly from a to b.
 double positive_part(double a, double b, double dt) {
   if (a >= 0 && b >= 0) return 0.5 * (a + b) * dt;
@@ -76,6 +91,7 @@ ResultSurface make_result_surface(const std::string& name, const std::vector<int
   }
   for (std::size_t f = 0; f < s.facet_areas.size(); ++f)
     if (s.facet_areas[f] > 0) s.facet_centers[f] /= s.facet_areas[f];
+  find_facets_around(s);
   return s;
 }
 

@@ -25,6 +25,8 @@ struct ResultSurface {
   std::vector<double> facet_areas;      ///< sum of the facet's triangles
   std::vector<Vector3d> area_vectors;   ///< the same with their normals
   std::vector<Vector3d> facet_centers;  ///< centroid
+  std::vector<int> around_begin;        ///< facets around vertex v: around[around_begin[v]] to around_begin[v + 1]
+  std::vector<int> around;
   int facets() const { return static_cast<int>(begin.size()) - 1; }
 };
 /// `nodes`: indices into `positions`, per slot.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "src/results/within_facets.h"
+
 namespace dea {
 
 namespace {
@@ -22,11 +24,22 @@ double mean_pressure_of_load(const std::vector<double>& pressure, const std::vec
 }  // namespace
 
 Headline headline(const ResultSurface& surface, const std::vector<double>& pressure, const FacetMask& mask) {
-  const std::vector<double> nodal = nodal_average(surface, pressure);
-  const double above = kHeadlineShare * mean_pressure_of_load(nodal, nodal_areas(surface));
-  if (std::isnan(above)) return {};
-  const Distribution d = distribution(nodal, nodal_areas(surface, mask), above);
-  return {above, d.p99, d.mean, d.area, d.peak};
+  Headline h;
+  h.above = kHeadlineShare * mean_pressure_of_load(pressure, surface.facet_areas);
+  if (std::isnan(h.above)) return h;
+  const std::vector<PressedPart> parts = pressed_parts(surface, pressure, h.above);
+  const std::vector<double> areas = facet_areas(surface, mask);
+  double force = 0.0;
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    h.area += areas[f] * parts[f].share;
+    force += areas[f] * parts[f].pressure;
+  }
+  if (!(h.area > 0)) return h;
+  h.mean = force / h.area;
+  const Distribution nodes = distribution(nodal_average(surface, pressure), nodal_areas(surface, mask), h.above);
+  h.p99 = std::fmax(nodes.p99, h.mean);
+  h.peak = std::fmax(nodes.peak, h.mean);
+  return h;
 }
 
 ResultSurface plotted_surface(const JointModel& model, const Surface& surface) {

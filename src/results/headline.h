@@ -9,7 +9,9 @@
 
 namespace dea {
 
-/// Of nodal averages above a threshold, weighted by the nodes' areas. NaN, and area 0: there are none.
+/// Of what is above a threshold; NaN, and area 0: nothing is. Area and mean: of where pressure is above it within
+/// facets (within_facets.h). p99 and peak: of nodal averages, as single facets of finite elements are noisy; weighted
+/// by the nodes' areas, and no less than the mean, which nodes at the edge of a contact of one facet would be.
 struct Headline {
   double above = kNaN;  ///< the threshold (H1)
   double p99 = kNaN, mean = kNaN, area = 0.0, peak = kNaN;

@@ -92,10 +92,10 @@ Findings crowded_force(const JointModel&, const Joint& joint, const SolvedStates
   return found;
 }
 
-/// A map whose facets are too long to show what presses them: averages at its nodes spread the pressure over
-/// neighbouring facets, which the springs see apart.
+/// A map whose facets are too long to show what presses them: of two or three facets, or where pressure ends at an edge
+/// within facets, their averages do not tell how much of each is pressed, as the springs do.
 Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
+  constexpr double kFar = 1.2;  // pressure that fades out: contact of 3 facets; that of a block: of 7
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
     const ContactStatistics& s = c.statistics;

@@ -216,7 +216,7 @@ std::vector<Rule> all_rules() {
           "smeared-map", "Use the springs' own numbers, or mesh this surface finer.",
           {{W,
             "contact \"{contact}\": at time {time} the facets of surface \"{surface}\" are too long for this contact's "
-            "map: averages at its nodes give area {area:.3g}, mean {mean:.3g}, p99 {p99:.3g}, the springs themselves "
+            "map: their averages give area {area:.3g}, mean {mean:.3g}, p99 {p99:.3g}, the springs themselves "
             "{springs_area:.3g}, {springs_mean:.3g}, {springs_p99:.3g}; mesh this surface finer"}},
           smeared_map),
       of_result("crowded-force", "Look at the mesh, or divide the facets.",
@@ -556,8 +556,8 @@ std::vector<Rule> all_rules() {
       quiet("facet-size", "Nothing: a warning tells where contact is narrow.",
             {{N,
               "contact \"{contact}\": its facets are up to {size:.2g} thicknesses long ({sizes}): force, p99 and peak "
-              "are right to about 3% where contact is 8 facets wide, less where it is narrower; area and mean need a "
-              "finer mesh; dea converge or {refine} tell"}}),
+              "are right to about 3%, area and mean to 5%, where contact is 8 facets wide, less where it is narrower; "
+              "dea converge or {refine} tell"}}),
       quiet("shared-layer", "Nothing: they are solved together.",
             {{N, "contacts {contacts} press one layer of cartilage, surface {surfaces}: solved together"},
              {N, "contacts {contacts} press one layer of cartilage, surfaces {surfaces}: solved together"}}),

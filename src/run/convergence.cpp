@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "src/base/numbers.h"
@@ -55,7 +56,8 @@ ConvergenceRow convergence_row(int refine, const ContactStatistics& s, Outcome o
 }  // namespace
 
 bool ConvergenceRow::changes_below(double limit) const {
-  return change_peak < limit && change_mean < limit && change_area < limit;
+  return std::all_of(std::begin(kHeadlineNumbers), std::end(kHeadlineNumbers),
+                     [&](const HeadlineNumber& number) { return change_headline.*number.value < limit; });
 }
 
 std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,

@@ -13,11 +13,11 @@ struct ConvergenceRow {
   int refine = 1;
   int springs = 0, springs_hit = 0, springs_active = 0;
   Headline headline;                                               ///< of the surface with springs
-  Headline change_headline;                                        ///< of its four numbers, as change_peak
+  Headline change_headline;                                        ///< of its four numbers, as change_peak: they decide
   double peak = 0.0, mean = 0.0, area = 0.0;                       ///< of the springs
   double change_peak = 0.0, change_mean = 0.0, change_area = 0.0;  ///< relative to the row before; NaN in the first
   Outcome outcome = Outcome::NotConverged;
-  bool changes_below(double limit) const;  ///< all three
+  bool changes_below(double limit) const;  ///< those of the headline, all four
 };
 struct Convergence {
   std::string contact;

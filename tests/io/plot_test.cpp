@@ -391,9 +391,11 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(f.unit, "MPa");
   EXPECT_EQ(f.length_unit, "mm");
   EXPECT_EQ(f.panels[0].title, "a");
-  // nodal averages 0 0.5 2 1.5 0 and 0 1 5 4 0
-  EXPECT_EQ(f.panels[0].numbers[0], "p99 2, mean 1.333 MPa, area 3 mm\u00b2, peak 2 MPa");
-  EXPECT_EQ(f.panels[1].numbers[0], "p99 5, mean 3.333 MPa, area 3 mm\u00b2, peak 5 MPa");
+  // 1 3 is a ramp from 0 to 4: above 0.05 * 10 / 4 it is 1.9375 long, with the mean (0.125 + 4) / 2. 2 8 is one over
+  // d = 1/4 + sqrt(1/16 + 1/4) of the first facet and all of the next, of slope 4 / d^2: 1.754 of it is above 0.34. The
+  // largest nodal averages are 2 and 5; p99 and peak are no less than the mean.
+  EXPECT_EQ(f.panels[0].numbers[0], "p99 2.062, mean 2.062 MPa, area 1.938 mm\u00b2, peak 2.062 MPa");
+  EXPECT_EQ(f.panels[1].numbers[0], "p99 5.697, mean 5.697 MPa, area 1.754 mm\u00b2, peak 5.697 MPa");
   ASSERT_TRUE(f.panels[0].center_of_pressure);
   EXPECT_NEAR(f.panels[0].center_of_pressure->x(), (1 * 1.5 + 3 * 2.5) / 4, 1e-6);
   EXPECT_NEAR(f.panels[0].peak->x(), 2.5, 1e-6);
@@ -433,14 +435,13 @@ TEST(MapFigure, SurfacesSideBySide) {
   EXPECT_EQ(difference.panels.size(), 2u);
 }
 
-TEST(MapFigure, NumbersOfPressureAreOfNodesThoseOfDifferencesOfWhatIsDrawn) {
-  // Pressures 0 1 3 0 along x: nodal averages 0 0.5 2 1.5 0, of nodes with areas 0.5 1 1 1 0.5.
+TEST(MapFigure, NumbersOfPressureAreTheHeadlinesThoseOfDifferencesOfWhatIsDrawn) {
   const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}, "mm-N-s");
   MapOptions o = plain();
   o.smooth = true;
   EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[0].numbers[0],
-            "p99 2, mean 1.333 MPa, area 3 mm\u00b2, peak 2 MPa");
+            "p99 2.062, mean 2.062 MPa, area 1.938 mm\u00b2, peak 2.062 MPa");
   const ResultFile c = result_of("c", p, {{0, 0, 2, 0}});
   EXPECT_EQ(make_map_figure({a}, &c, o).panels[0].numbers[1].substr(0, 6), "nodes:");
   EXPECT_EQ(make_map_figure({a}, &c, plain()).panels[0].numbers[0], "facets: +1.00 to +1.00, rms 1.00 MPa");

@@ -73,8 +73,19 @@ struct StudyPage : ::testing::Test {
   }
 };
 
-/// Cases of one factor x = 1, 2, ...: pressure x times `shape` of the state's number everywhere.
-void write_uniform(const std::string& path, int cases, const std::vector<double>& shape, double duration = 1.0) {
+double area_of(const CaseSurface& on) {
+  double whole = 0.0;
+  for (const auto& t : on.triangles) {
+    const Vector3d a = on.vertices[at(t[0])];
+    whole += 0.5 * (on.vertices[at(t[1])] - a).cross(on.vertices[at(t[2])] - a).norm();
+  }
+  return whole;
+}
+
+/// Cases of one factor x = 1, 2, ...: pressure x times `shape` of the state's number everywhere. `contact`: the area
+/// that the contact's headline has, over that of the surface.
+void write_uniform(const std::string& path, int cases, const std::vector<double>& shape, double duration = 1.0,
+                   double contact = 1.0) {
   const Plan plan = test::grid({fmt::format("x: E={{1:{}:1}}", cases)});
   StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
   const CaseSurface on = test::surface();
@@ -84,6 +95,7 @@ void write_uniform(const std::string& path, int cases, const std::vector<double>
       r.states.push_back(
           test::state(duration * static_cast<double>(k) / static_cast<double>(shape.size() - 1), i * shape[k]));
       r.states.back().fields = {{std::vector<float>(on.vertices.size(), static_cast<float>(i * shape[k]))}};
+      r.states.back().statistics[0].headline.area = contact * area_of(on);
     }
     if (i == 1) r.surfaces = {on};
     writer.add(std::move(r));
@@ -330,27 +342,24 @@ TEST_F(StudyPage, TheEdgeOfContactEnclosesTheAreaOfTheFacets) {
   }
 }
 
-TEST_F(StudyPage, RegionsAddUpToTheSurface) {
-  write_uniform(path, 2, {1, 2});
+TEST_F(StudyPage, RegionsAddUpToTheContact) {
   StudyPageOptions o;
   o.maps.regions.sectors = 4;
   o.maps.regions.up = Vector3d(0, 1, 0);
   o.maps.regions.axis = Vector3d(0, 0, 1);
   o.maps.regions.center = Vector3d(0.3, 0.2, 0);  // no vertex on the axis
-  const Page p = page(o);
-  ASSERT_EQ(p.data["places"].size(), 5u);
-  double area = 0.0;
-  for (std::size_t r = 1; r <= 4; ++r) {
-    EXPECT_NEAR(p.values(1, static_cast<int>(r))[2], 2, 1e-6);  // the mean in each: the largest state of case 1
-    area += p.values(2, static_cast<int>(r))[1];
+  for (double contact : {1.0, 0.9}) {
+    path = (folder.path / fmt::format("{}.db", contact)).string();
+    write_uniform(path, 2, {1, 2}, 1.0, contact);
+    const Page p = page(o);
+    ASSERT_EQ(p.data["places"].size(), 5u);
+    double area = 0.0;
+    for (std::size_t r = 1; r <= 4; ++r) {
+      EXPECT_NEAR(p.values(1, static_cast<int>(r))[2], 2, 1e-6);  // the mean in each: the largest state of case 1
+      area += p.values(2, static_cast<int>(r))[1];
+    }
+    EXPECT_NEAR(area, contact * area_of(test::surface()), 1e-4 * area);
   }
-  const CaseSurface on = test::surface();
-  double whole = 0.0;
-  for (const auto& t : on.triangles) {
-    const Vector3d a = on.vertices[at(t[0])];
-    whole += 0.5 * (on.vertices[at(t[1])] - a).cross(on.vertices[at(t[2])] - a).norm();
-  }
-  EXPECT_NEAR(area, whole, 1e-4 * whole);
   o.maps.regions = {};
   o.maps.regions.socket = true;
   o.maps.regions.up = Vector3d(0, 1, 0);

@@ -11,7 +11,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kHeadlineCaption = "Of nodes above the threshold, as in the table; of the surface with springs.";
+constexpr const char* kHeadlineCaption = "Above the threshold, as in the table; of the surface with springs.";
 
 struct Curve {
   std::string name;

@@ -56,18 +56,34 @@ std::vector<Vector3d> vertex_area_vectors(const ResultSurface& s) {
   return sum;
 }
 
+/// The part of each vertex's area that belongs to a contact of `area`: all of those with the greatest pressures, and of
+/// the last what is left. Averages at vertices reach beyond contact, and by how far the file says.
+std::vector<double> areas_in_contact(const std::vector<double>& areas, const std::vector<double>& pressure,
+                                     double area) {
+  std::vector<std::size_t> order;
+  for (std::size_t v = 0; v < pressure.size(); ++v)
+    if (pressure[v] > 0) order.push_back(v);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return pressure[a] > pressure[b]; });
+  std::vector<double> in_contact(areas.size(), 0.0);
+  for (std::size_t v : order) {
+    in_contact[v] = std::min(areas[v], area);
+    area -= in_contact[v];
+  }
+  return in_contact;
+}
+
 /// In the order of headline_statistics.
-std::array<double, 5> numbers_in(const StudySurfaceMesh& s, const RegionPlaces& r, int region,
-                                 const std::vector<double>& pressure, double above) {
+std::array<double, 5> numbers_in(const RegionPlaces& r, int region, const std::vector<double>& pressure,
+                                 const std::vector<double>& in_contact) {
   std::vector<double> values, areas;
   Vector3d force = Vector3d::Zero();
   for (std::size_t v = 0; v < pressure.size(); ++v) {
     if (r.regions.index[v] != region) continue;
     values.push_back(pressure[v]);
-    areas.push_back(s.areas[v]);
+    areas.push_back(in_contact[v]);
     force += pressure[v] * r.vertex_area[v];
   }
-  const Distribution d = distribution(values, areas, above);
+  const Distribution d = distribution(values, areas, 0.0);
   return {d.p99, d.mean, d.area, d.peak, force.norm()};
 }
 
@@ -149,13 +165,13 @@ Regions regions_of(const StudySurfaceMesh& s, const StudyRegionOptions& o) {
 
 void add_regions(const std::string& path, const StudyFields& fields, const StudyRegionOptions& options,
                  StudyNumbers& n) {
-  const StudyRows thresholds = read_rows(path, {"headline_above"});
-  std::map<std::tuple<std::size_t, std::size_t, int, std::string>, double> above;
-  for (std::size_t r = 0; r < thresholds.case_id.size(); ++r) {
-    const StudyPlace& place = thresholds.places[at(thresholds.place[r])];
-    const int c = n.case_of(static_cast<double>(thresholds.case_id[r]));
+  const StudyRows stored = read_rows(path, {"headline_area"});
+  std::map<std::tuple<std::size_t, std::size_t, int, std::string>, double> area;
+  for (std::size_t r = 0; r < stored.case_id.size(); ++r) {
+    const StudyPlace& place = stored.places[at(stored.place[r])];
+    const int c = n.case_of(static_cast<double>(stored.case_id[r]));
     if (place.part.empty() && c >= 0)
-      above[{at(c), at(thresholds.state[r] - 1), place.contact_id, place.contact}] = thresholds.numbers[0][r];
+      area[{at(c), at(stored.state[r] - 1), place.contact_id, place.contact}] = stored.numbers[0][r];
   }
   const std::vector<RegionPlaces> places = make_places(fields, options, n);
   for (auto& of_statistic : n.values)  // of what is not among headline_statistics regions have none
@@ -165,10 +181,11 @@ void add_regions(const std::string& path, const StudyFields& fields, const Study
       [&](const StudyField& f, std::vector<double>&& pressure) {
         const StudySurfaceMesh& s = fields.surfaces[at(f.surface)];
         const RegionPlaces& r = places[at(f.surface)];
-        const auto found = above.find({f.c, f.state, s.contact_id, s.contact});
-        const double threshold = found == above.end() || std::isnan(found->second) ? 0.0 : found->second;
+        const auto found = area.find({f.c, f.state, s.contact_id, s.contact});
+        const std::vector<double> in_contact =
+            areas_in_contact(s.areas, pressure, found == area.end() || std::isnan(found->second) ? 0.0 : found->second);
         for (std::size_t k = 0; k < r.regions.names.size(); ++k) {
-          const std::array<double, 5> numbers = numbers_in(s, r, static_cast<int>(k), pressure, threshold);
+          const std::array<double, 5> numbers = numbers_in(r, static_cast<int>(k), pressure, in_contact);
           for (std::size_t i = 0; i < numbers.size(); ++i)
             n.values[i][r.first + k][f.c * n.choices() + f.state] = numbers[i];
         }

@@ -52,9 +52,10 @@ struct StudyRegionOptions : RegionLayout {
 /// Per vertex of a surface. Throws UsageError as the functions of study/regions.h.
 Regions regions_of(const StudySurfaceMesh& surface, const StudyRegionOptions& options);
 
-/// Adds each region of each surface as a place: p99, mean, area and peak of its nodes above the threshold of the whole
-/// surface's headline (theory.md, 6.1), weighted by the nodes' areas, and the size of the sum of p A n. States without
-/// stored fields have none. Numbers of regions are of the triangles of the stored surface.
+/// Adds each region of each surface as a place: p99, mean, area and peak of its nodes in contact, weighted by the
+/// nodes' areas, and the size of the sum of p A n. The nodes in contact of all regions together are those of the
+/// greatest pressures with the area of the contact's headline (theory.md, 6.1). States without stored fields have none.
+/// Numbers of regions are of the triangles of the stored surface.
 void add_regions(const std::string& path, const StudyFields& fields, const StudyRegionOptions& options,
                  StudyNumbers& numbers);
 

@@ -331,9 +331,9 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
   say_contacts(m, model, settings, check);
   say_loads(m, model, settings, check);
   m.say(
-      "Pressures (99th percentile, mean, peak) and areas are of nodes, averages of the facets around each, above 5 % "
-      "of the "
-      "load's mean pressure, weighted by area.");
+      "Pressures and areas are of what is above 5 % of the load's mean pressure: area and mean within the edge of "
+      "contact, which runs through facets (linear pressure within a facet that keeps the facet's force), 99th "
+      "percentile and peak of nodes, averages of the facets around each, weighted by area.");
   if (!febio.empty())
     m.say(fmt::format("Results were compared with those of {} ({}), by the same definitions for both.", febio,
                       m.cite(kFebio)));

@@ -308,51 +308,40 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
 }
 
 std::string run_text(const JointModel& model, const Analysis& analysis, bool details) {
-  return units_text(model) + "\n" + laws_text(analysis.joint) + headline_words() + ", of the surface with springs\n" +
+  return units_text(model) + "\n" + laws_text(analysis.joint) + headline_words() + "; of the surface with springs\n" +
          tables_text(run_tables(analysis, details, unit_names(model.units)));
 }
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
-  std::string text = units_text(model) + "\n" + headline_words() + ", of the surface with springs\n";
+  std::string text = units_text(model) + "\n" + headline_words() + "; of the surface with springs\n";
   const UnitNames units = unit_names(model.units);
   for (const Convergence& study : studies) {
-    Table map{{"refine", "springs"}, "rr", {}}, springs{{"refine", "springs", "active"}, "rrr", {}};
-    const auto add_heading = [](Table& table, const std::string& heading, const char* number) {
-      table.headings.insert(table.headings.end(), {heading, fmt::format("{} changes", number)});
+    Table table{{"refine", "springs"}, "rr", {}};
+    for (const HeadlineNumber& number : kHeadlineNumbers) {
+      table.headings.insert(table.headings.end(), {heading_of(number, units), fmt::format("{} changes", number.name)});
       table.left += "rr";
-    };
-    for (const HeadlineNumber& number : kHeadlineNumbers) add_heading(map, heading_of(number, units), number.name);
-    map.headings.emplace_back("outcome");
-    map.left += "l";
-    add_heading(springs, with_unit("peak", units, Dimension::Pressure), "peak");
-    add_heading(springs, with_unit("mean", units, Dimension::Pressure), "mean");
-    add_heading(springs, with_unit("area", units, Dimension::Area), "area");
+    }
+    table.headings.emplace_back("outcome");
+    table.left += "l";
     for (const ConvergenceRow& r : study.rows) {
-      const std::string refine = fmt::format("{}", r.refine), count = fmt::format("{}", r.springs);
-      map.rows.push_back({refine, count});
+      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs)});
       for (const HeadlineNumber& number : kHeadlineNumbers)
         for (const std::string& cell :
              {four_digits(r.headline.*number.value), share_in_percent(r.change_headline.*number.value)})
-          map.rows.back().push_back(cell);
-      map.rows.back().emplace_back(name(r.outcome));
-      springs.rows.push_back({refine, count, fmt::format("{}", r.springs_active), four_digits(r.peak),
-                              share_in_percent(r.change_peak), four_digits(r.mean), share_in_percent(r.change_mean),
-                              four_digits(r.area), share_in_percent(r.change_area)});
+          table.rows.back().push_back(cell);
+      table.rows.back().emplace_back(name(r.outcome));
     }
     text += fmt::format("\ncontact {}, last state; changes against the row above\n{}", in_quotes(study.contact),
-                        table_text(map));
-    text += fmt::format("\nthe springs' own numbers, whose changes decide\n{}", table_text(springs));
+                        table_text(table));
     const auto needed = [&](int springs, const char* limit) {
-      return springs < 0 ? fmt::format("the springs' changes below {}: not reached (at most {} springs allowed)\n",
-                                       limit, max_springs)
-                         : fmt::format("the springs' changes below {}: from {} springs on\n", limit, springs);
+      return springs < 0
+                 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
+                 : fmt::format("changes below {}: from {} springs on\n", limit, springs);
     };
     text += needed(study.springs_5_percent, "5%");
     text += needed(study.springs_1_percent, "1%");
   }
-  text +=
-      "\nthe springs are divided, the facets are not: area and mean of the map stay those of the mesh's nodes; mesh "
-      "finer for them\n";
+  text += "\nthe springs are divided, the facets are not: what shorter facets would change only a finer mesh tells\n";
   return text;
 }
 

@@ -27,8 +27,8 @@ std::string headline_words() {
   std::string names;
   for (const HeadlineNumber& number : kHeadlineNumbers)
     names += fmt::format("{}{}", names.empty() ? "" : ", ", number.name);
-  return fmt::format("{}: of nodes above {:g} % of the load's mean pressure, weighted by area", names,
-                     100 * kHeadlineShare);
+  return fmt::format("{}: above {:g} % of the load's mean pressure; area and mean within facets, p99 and peak of nodes",
+                     names, 100 * kHeadlineShare);
 }
 
 std::string number_text(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x == 0.0 ? 0.0 : x) : "-"; }

@@ -318,13 +318,13 @@ const Figures = (() => {
       if (several) {
         const when = (s) => s.surface.about.regions.length > 1;
         for (const [key, title, quantity, dimension] of headlines)
-          out.now.push({ id: "region-" + key, title: title + " by region", when: (s) => s.surface.about.regions.length > 1, build: bars(quantity, dimension, (m) => m.headline[key]), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
+          out.now.push({ id: "region-" + key, title: title + " by region", when: (s) => s.surface.about.regions.length > 1, build: bars(quantity, dimension, (m) => m.headline[key]), caption: (s) => `Above the threshold. ${s.surface.about.title}, ${at(s)}.` });
       }
       if (Report.surfaces.some((s) => s.bins.length > 1))
         out.now.push({ id: "profile", title: "Pressure along the angle", build: profile, when: (s) => s.surface.about.bins.length > 1,
           caption: (s) => `Area-weighted mean of the facets in each bin, those without pressure included, against the angle from the axis. ${s.surface.about.title}, ${at(s)}.` });
       if (Report.results.some((r) => r.times.length > 1)) {
-        for (const [key, title, quantity, dimension] of headlines) out.time.push(over("time-" + key, title, quantity, dimension, (m) => m.headline[key], "Nodes above the threshold, weighted by area."));
+        for (const [key, title, quantity, dimension] of headlines) out.time.push(over("time-" + key, title, quantity, dimension, (m) => m.headline[key], "Above the threshold."));
         out.time.push(over("time-force", "Resultant", "force", "force", (m) => m.force, "|Σ p A n| on the surface in its reference shape."));
       }
     } else {
