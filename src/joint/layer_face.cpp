@@ -71,6 +71,14 @@ double turn_cosine(const JointModel& model, const std::vector<std::vector<int>>&
   return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge));
 }
 
+/// Where the surface turns away from itself from facet a to b, as at a ridge: how deep b's middle lies below a, > 0.
+double downwards(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
+                 const FacetEdge& b) {
+  const std::vector<int>& facet = facets[at(a.facet)];
+  return (model.nodes[at(facet[at(a.edge)])] - shape_of(model, facets[at(b.facet)]).center)
+      .dot(normal_at_edge(model, facet, a.edge));
+}
+
 std::vector<std::vector<int>> all_facets(const FacetList& list) {
   std::vector<std::vector<int>> facets;
   for (int f = 0; f < list.size(); ++f) facets.push_back(list.facet(f));
@@ -323,6 +331,7 @@ namespace {
 struct Across {
   int facet = -1, edge = -1;
   bool smooth = false, bevelled = false;
+  double turn = 0.0;  ///< by how much the surface turns there [rad]; < 0: upwards
 };
 
 /// All facets that may meet at an edge: the boundary, and selected facets that are no part of it.
@@ -359,8 +368,9 @@ Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, c
     const FacetEdge &a = edges[first], &b = edges[first + 1];
     const double cosine = turn_cosine(model, m.facets, a, b);
     const bool bevelled = cosine < kCos20 && cosine > kCos65;
-    m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled};
-    m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled};
+    const double turn = std::copysign(std::acos(std::clamp(cosine, -1.0, 1.0)), downwards(model, m.facets, a, b));
+    m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled, turn};
+    m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled, turn};
   });
   return m;
 }
@@ -457,7 +467,10 @@ BeyondEdges beyond_edges(const JointModel& model, const Meeting& m, double highe
       const FaceKind kind = m.kinds[at(next.facet)];
       LayerFace::Edge found;
       if (!next.smooth) {
-        if (kind != FaceKind::Bonded) found.step = step_size(model, m, f, k, highest_step);
+        if (kind != FaceKind::Bonded) {
+          found.step = step_size(model, m, f, k, highest_step);
+          if (found.step == 0 && next.turn > 0) found.wall = next.turn;
+        }
       } else if (m.in_face[at(next.facet)]) {
         continue;
       } else if (kind == FaceKind::Bonded) {

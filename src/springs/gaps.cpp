@@ -183,7 +183,8 @@ SpringStates empty_states(std::size_t n) {
   SpringStates s;
   const auto resize = [n](auto&... each) { (each.resize(n), ...); };
   resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
-         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.too_deep);
+         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.beyond,
+         s.too_deep);
   s.per_motion.resize(n, Vector3d::Zero());
   return s;
 }
@@ -330,6 +331,13 @@ Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, in
     gradient += ((layer.springs_at == SpringsAt::Bone ? 1.0 : 0.0) - strain_source) *
                 thickness_gradient(mesh, layer.thickness, t);
   return source.rotation * gradient;
+}
+
+bool faces_target(const SpringBed& bed, const RelativePose& relative, int i, const Vector3d& point) {
+  const auto& t = bed.springs.corner_thickness[at(i)];
+  return cast(bed, relative.rotation * point + relative.shift, relative.rotation * bed.springs.direction[at(i)],
+              (t[0] + t[1] + t[2]) / 3.0)
+             .point.triangle >= 0;
 }
 
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,

@@ -27,6 +27,7 @@ struct BedLayer {
 struct LayerBed {
   BedLayer source, target;
   LayerFeet whole;  ///< the springs' whole feet on the source's layer
+  std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on
 };
 
 /// The operators of layers that several contacts press, made as they are asked for: one per shared layer of the joint.
