@@ -20,7 +20,6 @@ namespace dea {
 namespace {
 
 constexpr double kCos20 = 0.93969262078590838;
-constexpr double kCos65 = 0.42261826174069944;
 constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is the end of the face
 constexpr double kCos45 = 0.70710678118654752;
 constexpr double kCos60 = 0.5;
@@ -367,7 +366,7 @@ Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, c
     if (last - first != 2) return;  // the rim of nothing, or faces that merely touch there
     const FacetEdge &a = edges[first], &b = edges[first + 1];
     const double cosine = turn_cosine(model, m.facets, a, b);
-    const bool bevelled = cosine < kCos20 && cosine > kCos65;
+    const bool bevelled = cosine < kCos20 && cosine > kCos40;
     const double turn = std::copysign(std::acos(std::clamp(cosine, -1.0, 1.0)), downwards(model, m.facets, a, b));
     m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled, turn};
     m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled, turn};

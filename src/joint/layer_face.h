@@ -42,7 +42,7 @@ struct LayerFace {
   std::vector<char> pressed_by_others;  ///< per triangle: other contacts press it (shared_layers.h); empty: none
   std::vector<double> thickness;        ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;              ///< of one triangle alone, sorted by triangle and edge
-  double bevelled = 0.0;                ///< length of the selection's rim where the next face turns by 20 to 65 degrees
+  double bevelled = 0.0;                ///< length of the selection's rim where the next face turns by 20 to 40 degrees
 };
 
 /// What a face of the layer's elements is.

@@ -15,11 +15,12 @@ constexpr double kFar = 3.0;    // beyond so many nothing is felt
 
 /// A spring beside a free edge.
 struct EdgeSpring {
-  Vector3d where;       ///< the layer's reference frame
-  double reach = 0.0;   ///< the edge's vertices within it know of the spring
-  double weight = 1.0;  ///< among others
-  double pressure = 0.0;
-  double goes_on = 0.0;  ///< 1: the partner does, over the edge
+  Vector3d where;         ///< in the layer's reference frame
+  double reach = 0.0;     ///< the edge's vertices within it know of the spring
+  double weight = 0.0;    ///< of its pressure among others
+  double pressure = 0.0;  ///< 0: none
+  double judges = 0.0;    ///< weight of the next
+  bool goes_on = false;   ///< the partner does, over the edge
 };
 
 Vector3d outward_of(const LayerMesh& layer, const LayerMesh::Edge& edge) {
@@ -35,47 +36,56 @@ int nearest_vertex(const LayerMesh& layer, int triangle) {
   return *std::min_element(corners.begin(), corners.end(), nearer);
 }
 
-/// Beside the source's own free edges: of each edge the spring whose triangle it belongs to. `reach`: springs further
-/// from the target have no part in the contact.
-std::vector<EdgeSpring> springs_at_source(const PosedBed& posed, const SpringStates& s, double reach) {
-  const SpringBed& bed = *posed.bed;
-  const LayerMesh& layer = bed.layers->source.layer->mesh;
-  const RelativePose relative = relative_pose(posed.source, bed.source_center, posed.target, bed.target_center);
-  std::vector<int> spring(at(layer.mesh.size()), -1);
-  for (int i = 0; i < s.size(); ++i)
-    if (s.area[at(i)] > 0 && s.gap[at(i)] < reach) spring[at(bed.layers->source_triangle[at(i)])] = i;
-  std::vector<EdgeSpring> found;
-  for (const LayerMesh::Edge& edge : layer.edges) {
-    const int i = spring[at(edge.triangle)];
-    if (edge.rim != Rim::Free || i < 0) continue;
-    const Vector3d middle = 0.5 * (layer.mesh.vertices[at(edge.a)] + layer.mesh.vertices[at(edge.b)]),
-                   beyond = middle + 0.25 * bed.foot_radius * outward_of(layer, edge);
-    found.push_back({middle, edge.length, 1.0, s.pressure[at(i)], faces_target(bed, relative, i, beyond) ? 1.0 : 0.0});
-  }
-  return found;
-}
+/// What a contact presses of one of its layers.
+struct PressedSide {
+  const PosedBed& posed;
+  const SpringStates& states;
+  bool source;  ///< its layer is the source's
+  const LayerOperator& layer;
 
-/// Beside the target's: springs that end there.
-std::vector<EdgeSpring> springs_at_target(const PosedBed& posed, const SpringStates& s, double reach) {
-  const SpringBed& bed = *posed.bed;
-  const BedLayer& target = bed.layers->target;
-  const LayerMesh& layer = target.layer->mesh;
+  int triangle(std::size_t k) const {
+    const LayerBed& bed = *posed.bed->layers;
+    return source ? bed.source_triangle[k] : bed.target.mesh_triangle(states.triangle[k], states.end_weights[k]);
+  }
+  /// Where spring k stands on the layer, in its reference frame.
+  Vector3d place(std::size_t k) const {
+    const SpringBed& bed = *posed.bed;
+    if (source) return bed.source_center + posed.source.rotation.transpose() * (states.foot[k] - posed.source.center);
+    return bed.target_center + posed.target.rotation.transpose() * (states.end[k] - posed.target.center);
+  }
+};
+
+/// Springs beside the layer's free edges. `reach`: those further from the target have no part in the contact.
+std::vector<EdgeSpring> edge_springs(const PressedSide& side, double reach) {
+  constexpr double kWindow = 0.5;  // thicknesses
+  const SpringBed& bed = *side.posed.bed;
+  const SpringStates& s = side.states;
+  const LayerMesh& layer = side.layer.mesh;
   const SurfaceMesh& source = bed.pair.source_layer().spring_surface();
+  const RelativePose relative =
+      relative_pose(side.posed.source, bed.source_center, side.posed.target, bed.target_center);
   std::vector<EdgeSpring> found;
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i);
     if (!(s.area[k] > 0) || !(s.gap[k] < reach)) continue;
-    const int near_by =
-        layer.nearest_edge[at(nearest_vertex(layer, target.mesh_triangle(s.triangle[k], s.end_weights[k])))];
+    const int vertex = nearest_vertex(layer, side.triangle(k)), near_by = layer.nearest_edge[at(vertex)];
     if (near_by < 0) continue;
     const LayerMesh::Edge& edge = layer.edges[at(near_by)];
-    const Vector3d end = bed.target_center + posed.target.rotation.transpose() * (s.end[k] - posed.target.center);
-    const double distance = distance_to_segment(end, layer.mesh.vertices[at(edge.a)], layer.mesh.vertices[at(edge.b)]),
-                 within = 1.5 * bed.foot_radius;
-    if (distance >= within) continue;
-    const auto& beside = source.neighbours[at(bed.springs.surface_triangle[k])];
-    const bool goes_on = *std::min_element(beside.begin(), beside.end()) >= 0;
-    found.push_back({end, 2 * within, 1 - distance / within, s.pressure[k], goes_on ? 1.0 : 0.0});
+    const Vector3d &a = layer.mesh.vertices[at(edge.a)], &b = layer.mesh.vertices[at(edge.b)], place = side.place(k);
+    const double distance = distance_to_segment(place, a, b),
+                 window = std::max(kWindow * layer.thickness[at(vertex)], 1.5 * bed.foot_radius);
+    if (distance >= window) continue;
+    EdgeSpring spring{place, 2 * window, s.area[k] * (1 - distance / window), s.pressure[k]};
+    spring.judges = std::max(0.0, 1 - distance / (1.5 * bed.foot_radius));
+    if (spring.judges > 0 && side.source) {
+      const double along = std::clamp((place - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
+      spring.goes_on =
+          faces_target(bed, relative, i, a + along * (b - a) + 0.25 * bed.foot_radius * outward_of(layer, edge));
+    } else if (spring.judges > 0) {
+      const auto& beside = source.neighbours[at(bed.springs.surface_triangle[k])];
+      spring.goes_on = *std::min_element(beside.begin(), beside.end()) >= 0;
+    }
+    found.push_back(spring);
   }
   return found;
 }
@@ -87,15 +97,16 @@ std::vector<double> edge_moves(const LayerOperator& layer, const std::vector<Edg
   std::vector<double> moves(at(layer.mesh.nodes()), 0.0);
   for (const LayerOperator::EdgeVertex& v : layer.edge_vertices) {
     const Vector3d& x = layer.mesh.mesh.vertices[at(v.node)];
-    double weights = 0.0, pressure = 0.0, goes_on = 0.0;
+    double weights = 0.0, pressure = 0.0, judges = 0.0, goes_on = 0.0;
     for (const EdgeSpring& spring : springs) {
-      const double weight = spring.weight * (1 - (spring.where - x).norm() / spring.reach);
-      if (!(weight > 0)) continue;
-      weights += weight;
-      pressure += weight * spring.pressure;
-      goes_on += weight * spring.goes_on;
+      const double near_by = 1 - (spring.where - x).norm() / spring.reach;
+      if (!(near_by > 0)) continue;
+      weights += near_by * spring.weight;
+      pressure += near_by * spring.weight * spring.pressure;
+      judges += near_by * spring.judges;
+      if (spring.goes_on) goes_on += near_by * spring.judges;
     }
-    if (goes_on > 0) moves[at(v.node)] = goes_on / weights * edge_move(layer, v.node, flow(), pressure / weights);
+    if (goes_on > 0) moves[at(v.node)] = goes_on / judges * edge_move(layer, v.node, flow(), pressure / weights);
   }
   return moves;
 }
@@ -132,22 +143,18 @@ void press_bulges(const PosedBed& posed, const std::array<EdgeFlow, 2>& flow, Sp
   const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end()), least = kLeastOverlap * deepest;
   if (!(deepest > 0)) return;
   std::vector<double> more(at(s.size()), 0.0);  // pressure
-  for (const std::size_t side : {0, 1}) {
-    const LayerOperator* layer = (side == 0 ? bed.source : bed.target).layer.get();
+  for (const bool source : {true, false}) {
+    const LayerOperator* layer = (source ? bed.source : bed.target).layer.get();
     if (layer == nullptr || layer->edge_vertices.empty()) continue;
-    const std::vector<double> moves = edge_moves(
-        *layer, side == 0 ? springs_at_source(posed, s, deepest) : springs_at_target(posed, s, deepest), flow[side]);
+    const PressedSide side{posed, s, source, *layer};
+    const std::vector<double> moves = edge_moves(*layer, edge_springs(side, deepest), flow[source ? 0 : 1]);
     if (moves.empty()) continue;
-    for (int i = 0; i < s.size(); ++i) {
-      const auto k = at(i);
+    for (std::size_t k = 0; k < more.size(); ++k) {
       if (!(s.pressure[k] > 0)) continue;
-      const SurfaceMove move =
-          move_in(layer->mesh, moves,
-                  side == 0 ? bed.source_triangle[k] : bed.target.mesh_triangle(s.triangle[k], s.end_weights[k]));
+      const SurfaceMove move = move_in(layer->mesh, moves, side.triangle(k));
       if (move.stretch == 0) continue;
-      const Vector3d way = (side == 0 ? posed.source : posed.target).rotation * move.way;
-      const double opening =
-          side == 0 ? -way.dot(s.normal[k]) / s.direction[k].dot(s.normal[k]) : way.dot(s.direction[k]);
+      const Vector3d way = (source ? posed.source : posed.target).rotation * move.way;
+      const double opening = source ? -way.dot(s.normal[k]) / s.direction[k].dot(s.normal[k]) : way.dot(s.direction[k]);
       s.beyond[k] = std::max(kMostLost * s.area[k], s.beyond[k] + s.area[k] * move.stretch);
       more[k] -= opening / std::max(s.overlap[k], least);
     }

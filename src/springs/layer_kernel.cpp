@@ -127,10 +127,10 @@ EdgeLaw leaning(const EdgeLaw& vertical, double slope) {
   // a bevel props the edge up, at most as a layer that goes on does; an undercut lip bends
   const double bevel = std::max(0.0, slope), undercut = std::max(0.0, -slope);
   EdgeLaw edge = vertical;
-  edge.straight = edge.straight * std::exp(-3.9 * slope) - 0.32 * bevel * edge.unit;
+  edge.straight = edge.straight * std::exp(-3.9 * slope) - 0.29 * bevel * edge.unit;
   edge.around = std::max(edge.goes_on, edge.around * std::exp(-5.2 * slope) - 0.2 * bevel * edge.unit);
   edge.own = edge.own * std::exp(-6 * bevel) + 0.85 * undercut * edge.unit;
-  edge.driven *= std::exp(0.85 * undercut);
+  edge.driven *= std::exp(0.85 * undercut - 0.45 * bevel);
   edge.squeezed = (edge.squeezed + 0.2 * edge.unit) * std::exp(-2.7 * slope) - 0.2 * edge.unit;
   return edge;
 }

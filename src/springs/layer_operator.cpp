@@ -670,7 +670,9 @@ std::vector<double> edge_flow(const LayerOperator& op, const LayerFeet& feet, co
   Nodal held = Nodal::Zero(q.rows(), 1);
   add_times(op.pattern, op.unheld, op.beside_edges, q, held);
   for (const LayerOperator::EdgeVertex& v : op.edge_vertices)
-    if (v.share > 0) flow[at(v.node)] = (load(v.node, 0) - held(v.node, 0) + v.gained * q(v.node, 0)) / v.share;
+    if (v.share > 0)
+      flow[at(v.node)] = (load(v.node, 0) - held(v.node, 0) + v.gained * q(v.node, 0)) / v.share +
+                         std::sqrt(op.law.beta[0]) * q(v.node, 0);
   return flow;
 }
 

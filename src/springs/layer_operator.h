@@ -120,7 +120,8 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
 double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot,
                       const Eigen::VectorXd* softening = nullptr);
 
-/// What flows out over free edges: r = rho_v / B_v at their vertices, 0 at all others [MPa].                    (L11)
+/// What drives free edges outwards: r = rho_v / B_v at their vertices, 0 at all others [MPa]. Where q_0 is not held: as
+/// if it were, which at a straight edge adds sqrt(beta_0) q_0.                                                  (L11)
 std::vector<double> edge_flow(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure);
 /// How far a free edge moves outwards at one of its vertices, under the pressure p there [mm], < 0: inwards.
 ///     u = t (driven r + squeezed p)                                                                            (L11)
