@@ -20,21 +20,21 @@ struct EdgeSpring {
   double weight = 0.0;    ///< of its pressure among others
   double pressure = 0.0;  ///< 0: none
   double judges = 0.0;    ///< weight of the next
-  bool goes_on = false;   ///< the partner does, over the edge
+  double goes_on = 0.0;   ///< how much of it the partner does, over the edge: 0 to 1
 };
 
-Vector3d outward_of(const LayerMesh& layer, const LayerMesh::Edge& edge) {
-  return (layer.mesh.vertices[at(edge.b)] - layer.mesh.vertices[at(edge.a)])
-      .cross(layer.mesh.normals[at(edge.triangle)])
-      .normalized();
-}
+/// A place on a layer's mesh.
+struct MeshPlace {
+  int triangle = -1;
+  Barycentric weights = {0, 0, 0};
 
-/// The vertex of a triangle that is nearest to a free edge.
-int nearest_vertex(const LayerMesh& layer, int triangle) {
-  const auto& corners = layer.mesh.triangles[at(triangle)];
-  const auto nearer = [&](int v, int w) { return layer.edge_distance[at(v)] < layer.edge_distance[at(w)]; };
-  return *std::min_element(corners.begin(), corners.end(), nearer);
-}
+  template <class Value>
+  Value of(const SurfaceMesh& mesh, const std::vector<Value>& values) const {
+    const auto& corners = mesh.triangles[at(triangle)];
+    return weights[0] * values[at(corners[0])] + weights[1] * values[at(corners[1])] +
+           weights[2] * values[at(corners[2])];
+  }
+};
 
 /// What a contact presses of one of its layers.
 struct PressedSide {
@@ -43,54 +43,81 @@ struct PressedSide {
   bool source;  ///< its layer is the source's
   const LayerOperator& layer;
 
-  int triangle(std::size_t k) const {
-    const LayerBed& bed = *posed.bed->layers;
-    return source ? bed.source_triangle[k] : bed.target.mesh_triangle(states.triangle[k], states.end_weights[k]);
-  }
   /// Where spring k stands on the layer, in its reference frame.
-  Vector3d place(std::size_t k) const {
+  Vector3d point(std::size_t k) const {
     const SpringBed& bed = *posed.bed;
     if (source) return bed.source_center + posed.source.rotation.transpose() * (states.foot[k] - posed.source.center);
     return bed.target_center + posed.target.rotation.transpose() * (states.end[k] - posed.target.center);
   }
+  MeshPlace place(std::size_t k) const {
+    const LayerBed& bed = *posed.bed->layers;
+    MeshPlace found;
+    found.triangle =
+        source ? bed.source_triangle[k] : bed.target.mesh_triangle(states.triangle[k], states.end_weights[k]);
+    const SurfaceMesh& mesh = layer.mesh.mesh;
+    const Vector3d x = point(k), &a = mesh.corner(found.triangle, 0), &b = mesh.corner(found.triangle, 1),
+                   &c = mesh.corner(found.triangle, 2);
+    const Vector3d n = (b - a).cross(c - a);
+    found.weights[1] = (x - a).cross(c - a).dot(n) / n.squaredNorm();
+    found.weights[2] = (b - a).cross(x - a).dot(n) / n.squaredNorm();
+    found.weights[0] = 1 - found.weights[1] - found.weights[2];
+    return found;
+  }
 };
 
-/// Springs beside the layer's free edges. `reach`: those further from the target have no part in the contact.
-std::vector<EdgeSpring> edge_springs(const PressedSide& side, double reach) {
-  constexpr double kWindow = 0.5;  // thicknesses
+/// How much of the source's free edge at this triangle lies under target that goes on: by the triangle's image beyond.
+double goes_on_over(const PosedBed& posed, const LayerMesh& layer, int triangle, double gap) {
+  const SpringBed& bed = *posed.bed;
+  const RelativePose relative = relative_pose(posed.source, bed.source_center, posed.target, bed.target_center);
+  const auto edge = std::lower_bound(layer.edges.begin(), layer.edges.end(), triangle,
+                                     [](const LayerMesh::Edge& e, int t) { return e.triangle < t; });
+  double covered = 0.0, count = 0.0;
+  for (auto e = edge; e != layer.edges.end() && e->triangle == triangle; ++e) {
+    if (e->rim != Rim::Free) continue;
+    const auto& corners = layer.mesh.triangles[at(triangle)];
+    const int third = corners[0] + corners[1] + corners[2] - e->a - e->b;
+    const Vector3d &a = layer.mesh.vertices[at(e->a)], &b = layer.mesh.vertices[at(e->b)];
+    covered += covered_part(bed, relative, {b, a, a + b - layer.mesh.vertices[at(third)]},
+                            layer.mesh.normals[at(triangle)], gap);
+    count += 1;
+  }
+  return count > 0 ? covered / count : kNaN;
+}
+
+/// Springs beside the layer's free edges.
+std::vector<EdgeSpring> edge_springs(const PressedSide& side) {
+  constexpr double kWindow = 0.5, kApart = 0.1;  // thicknesses; what is further apart has no part in the contact
   const SpringBed& bed = *side.posed.bed;
   const SpringStates& s = side.states;
   const LayerMesh& layer = side.layer.mesh;
   const SurfaceMesh& source = bed.pair.source_layer().spring_surface();
-  const RelativePose relative =
-      relative_pose(side.posed.source, bed.source_center, side.posed.target, bed.target_center);
   std::vector<EdgeSpring> found;
-  for (int i = 0; i < s.size(); ++i) {
-    const auto k = at(i);
+  for (std::size_t k = 0; k < at(s.size()); ++k) {
+    const double reach = kApart * (s.t_source[k] + s.t_target[k]);
     if (!(s.area[k] > 0) || !(s.gap[k] < reach)) continue;
-    const int vertex = nearest_vertex(layer, side.triangle(k)), near_by = layer.nearest_edge[at(vertex)];
-    if (near_by < 0) continue;
-    const LayerMesh::Edge& edge = layer.edges[at(near_by)];
-    const Vector3d &a = layer.mesh.vertices[at(edge.a)], &b = layer.mesh.vertices[at(edge.b)], place = side.place(k);
-    const double distance = distance_to_segment(place, a, b),
-                 window = std::max(kWindow * layer.thickness[at(vertex)], 1.5 * bed.foot_radius);
+    const MeshPlace place = side.place(k);
+    const double distance = place.of(layer.mesh, layer.edge_distance),
+                 width = 1.1 * std::sqrt(2 * bed.springs.area[k]),  // of a foot, and a little more
+        window = std::max(kWindow * place.of(layer.mesh, layer.thickness), width);
     if (distance >= window) continue;
-    EdgeSpring spring{place, 2 * window, s.area[k] * (1 - distance / window), s.pressure[k]};
-    spring.judges = std::max(0.0, 1 - distance / (1.5 * bed.foot_radius));
-    if (spring.judges > 0 && side.source) {
-      const double along = std::clamp((place - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
-      spring.goes_on =
-          faces_target(bed, relative, i, a + along * (b - a) + 0.25 * bed.foot_radius * outward_of(layer, edge));
-    } else if (spring.judges > 0) {
+    EdgeSpring spring{side.point(k), 2 * window};
+    const double partakes = std::min(1.0, 1 - s.gap[k] / reach);
+    spring.weight = partakes * s.area[k] * (1 - distance / window);
+    spring.pressure = s.pressure[k];
+    if (side.source) {
+      spring.goes_on = goes_on_over(side.posed, layer, place.triangle, s.gap[k]);
+      spring.judges = std::isnan(spring.goes_on) ? 0.0 : partakes;
+    } else {
       const auto& beside = source.neighbours[at(bed.springs.surface_triangle[k])];
-      spring.goes_on = *std::min_element(beside.begin(), beside.end()) >= 0;
+      spring.goes_on = *std::min_element(beside.begin(), beside.end()) >= 0 ? 1.0 : 0.0;
+      spring.judges = partakes * std::max(0.0, 1 - distance / width);
     }
     found.push_back(spring);
   }
   return found;
 }
 
-/// Per vertex of the layer's mesh: how far its free edge moves outwards. Empty: nowhere.
+/// How far the layer's free edges move outwards, per vertex of its mesh. Empty: nowhere.
 std::vector<double> edge_moves(const LayerOperator& layer, const std::vector<EdgeSpring>& springs,
                                const EdgeFlow& flow) {
   if (springs.empty()) return {};
@@ -104,62 +131,80 @@ std::vector<double> edge_moves(const LayerOperator& layer, const std::vector<Edg
       weights += near_by * spring.weight;
       pressure += near_by * spring.weight * spring.pressure;
       judges += near_by * spring.judges;
-      if (spring.goes_on) goes_on += near_by * spring.judges;
+      if (spring.judges > 0) goes_on += near_by * spring.judges * spring.goes_on;
     }
     if (goes_on > 0) moves[at(v.node)] = goes_on / judges * edge_move(layer, v.node, flow(), pressure / weights);
   }
   return moves;
 }
 
-/// How the layer's surface has moved in a triangle of its mesh.
-struct SurfaceMove {
-  Vector3d way = Vector3d::Zero();  ///< reference frame
-  double stretch = 0.0;
+/// How the surface has moved, per vertex of the layer's mesh.
+struct SurfaceMoves {
+  std::vector<Vector3d> way;  ///< reference frame
+  std::vector<double> stretch;
 };
-SurfaceMove move_in(const LayerMesh& layer, const std::vector<double>& moves, int triangle) {
-  SurfaceMove found;
-  const int near_by = layer.nearest_edge[at(nearest_vertex(layer, triangle))];
-  if (near_by < 0) return found;
-  double distance = 0.0, thickness = 0.0;
-  for (const int v : layer.mesh.triangles[at(triangle)]) {
-    distance += layer.edge_distance[at(v)] / 3;
-    thickness += layer.thickness[at(v)] / 3;
+SurfaceMoves surface_moves(const LayerMesh& layer, const std::vector<double>& moves) {
+  std::vector<Vector3d> outward(moves.size(), Vector3d::Zero());  // at the edges' vertices
+  for (const LayerMesh::Edge& edge : layer.edges) {
+    if (edge.rim != Rim::Free) continue;
+    const Vector3d along = layer.mesh.vertices[at(edge.b)] - layer.mesh.vertices[at(edge.a)];
+    for (const int v : {edge.a, edge.b}) outward[at(v)] += along.cross(layer.mesh.normals[at(edge.triangle)]);
   }
-  const LayerMesh::Edge& edge = layer.edges[at(near_by)];
-  const double move = 0.5 * (moves[at(edge.a)] + moves[at(edge.b)]);
-  if (move == 0 || !(distance < kFar * thickness)) return found;
-  const double here = move * (std::exp(-distance / (kDecay * thickness)) - std::exp(-kFar / kDecay));
-  found.way = here * outward_of(layer, edge);
-  found.stretch = here / (kDecay * thickness);
+  SurfaceMoves found{std::vector<Vector3d>(moves.size(), Vector3d::Zero()), std::vector<double>(moves.size(), 0.0)};
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    const int near_by = layer.nearest_edge[v];
+    const double distance = layer.edge_distance[v], decay = kDecay * layer.thickness[v];
+    if (near_by < 0 || !(distance < kFar / kDecay * decay)) continue;
+    const LayerMesh::Edge& edge = layer.edges[at(near_by)];
+    const Vector3d &a = layer.mesh.vertices[at(edge.a)], &b = layer.mesh.vertices[at(edge.b)];
+    const double along =
+        std::clamp((layer.mesh.vertices[v] - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
+    const double move = (1 - along) * moves[at(edge.a)] + along * moves[at(edge.b)],
+                 here = move * (std::exp(-distance / decay) - std::exp(-kFar / kDecay));
+    found.way[v] = here * ((1 - along) * outward[at(edge.a)].normalized() + along * outward[at(edge.b)].normalized());
+    found.stretch[v] = here / decay;
+  }
   return found;
 }
 
 }  // namespace
 
-void press_bulges(const PosedBed& posed, const std::array<EdgeFlow, 2>& flow, SpringStates& s) {
-  constexpr double kLeastOverlap = 0.25;             // of the largest
+std::vector<double> press_bulges(const PosedBed& posed, const std::array<EdgeFlow, 2>& flow, SpringStates& s) {
+  constexpr double kLeastOverlap = 0.25;             // of p t/E
   constexpr double kMostLost = -0.5, kMostMore = 1;  // of a foot's area, of its pressure
   const LayerBed& bed = *posed.bed->layers;
-  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end()), least = kLeastOverlap * deepest;
-  if (!(deepest > 0)) return;
+  const ContactPair& pair = posed.bed->pair;
+  const auto compliance = [&](std::size_t k) {
+    const auto of = [](const Layer& layer, double t) { return layer.rigid ? 0.0 : t / layer.elasticity.E; };
+    return of(pair.source_layer(), s.t_source[k]) + of(pair.target_layer(), s.t_target[k]);
+  };
   std::vector<double> more(at(s.size()), 0.0);  // pressure
   for (const bool source : {true, false}) {
     const LayerOperator* layer = (source ? bed.source : bed.target).layer.get();
-    if (layer == nullptr || layer->edge_vertices.empty()) continue;
+    if (layer == nullptr || layer->edge_vertices.empty() || layer->law.terms < 2) continue;
     const PressedSide side{posed, s, source, *layer};
-    const std::vector<double> moves = edge_moves(*layer, edge_springs(side, deepest), flow[source ? 0 : 1]);
+    const std::vector<double> moves = edge_moves(*layer, edge_springs(side), flow[source ? 0 : 1]);
     if (moves.empty()) continue;
+    const SurfaceMoves surface = surface_moves(layer->mesh, moves);
+    const SurfaceMesh& target = posed.bed->target.mesh();
     for (std::size_t k = 0; k < more.size(); ++k) {
       if (!(s.pressure[k] > 0)) continue;
-      const SurfaceMove move = move_in(layer->mesh, moves, side.triangle(k));
-      if (move.stretch == 0) continue;
-      const Vector3d way = (source ? posed.source : posed.target).rotation * move.way;
-      const double opening = source ? -way.dot(s.normal[k]) / s.direction[k].dot(s.normal[k]) : way.dot(s.direction[k]);
-      s.beyond[k] = std::max(kMostLost * s.area[k], s.beyond[k] + s.area[k] * move.stretch);
-      more[k] -= opening / std::max(s.overlap[k], least);
+      const MeshPlace place = side.place(k);
+      const double stretch = place.of(layer->mesh.mesh, surface.stretch);
+      if (stretch == 0) continue;
+      const Vector3d way = (source ? posed.source : posed.target).rotation * place.of(layer->mesh.mesh, surface.way);
+      const Vector3d normal = posed.target.rotation *
+                              MeshPlace{s.triangle[k], s.end_weights[k]}.of(target, target.vertex_normals).normalized();
+      const double opening = source ? -way.dot(normal) / s.direction[k].dot(normal) : way.dot(s.direction[k]);
+      s.beyond[k] = std::max(kMostLost * s.area[k], s.beyond[k] + s.area[k] * stretch);
+      more[k] -= opening / std::max(s.overlap[k], kLeastOverlap * s.pressure[k] * compliance(k));
     }
   }
-  for (std::size_t k = 0; k < more.size(); ++k) s.pressure[k] *= 1 + std::clamp(more[k], kMostLost, kMostMore);
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    more[k] = 1 + std::clamp(more[k], kMostLost, kMostMore);
+    s.pressure[k] *= more[k];
+  }
+  return more;
 }
 
 }  // namespace dea

@@ -333,11 +333,14 @@ Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, in
   return source.rotation * gradient;
 }
 
-bool faces_target(const SpringBed& bed, const RelativePose& relative, int i, const Vector3d& point) {
-  const auto& t = bed.springs.corner_thickness[at(i)];
-  return cast(bed, relative.rotation * point + relative.shift, relative.rotation * bed.springs.direction[at(i)],
-              (t[0] + t[1] + t[2]) / 3.0)
-             .point.triangle >= 0;
+double covered_part(const SpringBed& bed, const RelativePose& relative, const std::array<Vector3d, 3>& triangle,
+                    const Vector3d& direction, double gap) {
+  std::array<Vector3d, 3> foot;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * triangle[c] + relative.shift;
+  const Vector3d middle = (foot[0] + foot[1] + foot[2]) / 3.0, n = relative.rotation * direction;
+  return coverage(bed.target.mesh(), foot, n, bed.target.within(middle + gap * n, 3.0 * bed.foot_radius),
+                  bed.target_center)
+      .fraction;
 }
 
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,

@@ -338,11 +338,18 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
       return flows[layer];
     };
   };
+  std::vector<std::vector<double>> factors(beds.size());
   for (std::size_t b = 0; b < beds.size(); ++b)
-    if (beds[b].active) press_bulges(beds[b], {outflow(0, b), outflow(1, b)}, states[b]);
+    if (beds[b].active) factors[b] = press_bulges(beds[b], {outflow(0, b), outflow(1, b)}, states[b]);
   const Eigen::MatrixXd rates =
       pressure_rates(all, contact, result, overlap_rates(all, contact, result, states), options, memory);
   share_out_rates(all, rates, states);
+  for (std::size_t b = 0; b < beds.size(); ++b)
+    for (std::size_t k = 0; k < factors[b].size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      states[b].rates.row(row) *= factors[b][k];
+      for (CrossRates& other : states[b].cross) other.rates.row(row) *= factors[b][k];
+    }
   if (!memory) return;
   *memory = {result.pressure, rates, {}, {}};
   for (std::size_t m = 0; m < all.pairs.size(); ++m) {
