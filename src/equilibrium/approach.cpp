@@ -50,7 +50,7 @@ double lost_force(const Evaluation& before, const Evaluation& after) {
     const SpringStates &a = before.springs[c], &b = after.springs[c];
     for (int i = 0; i < a.size(); ++i) {
       const auto k = at(i);
-      if (a.pressure[k] > 0 && (b.triangle[k] < 0 || b.too_deep[k])) lost += a.pressure[k] * a.area[k];
+      if (a.pressure[k] > 0 && (b.triangle[k] < 0 || b.too_deep[k])) lost += a.force(k);
     }
   }
   return lost;

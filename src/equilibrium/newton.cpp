@@ -24,7 +24,7 @@ namespace {
 double largest_spring_force(const Evaluation& e) {
   double largest = 0.0;
   for (const SpringStates& s : e.springs)
-    for (int i = 0; i < s.size(); ++i) largest = std::max(largest, s.pressure[at(i)] * s.area[at(i)]);
+    for (int i = 0; i < s.size(); ++i) largest = std::max(largest, s.force(at(i)));
   return largest;
 }
 

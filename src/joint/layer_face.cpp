@@ -20,7 +20,6 @@ namespace dea {
 namespace {
 
 constexpr double kCos20 = 0.93969262078590838;
-constexpr double kCos65 = 0.42261826174069944;
 constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is the end of the face
 constexpr double kCos45 = 0.70710678118654752;
 constexpr double kCos60 = 0.5;
@@ -69,6 +68,14 @@ Vector3d normal_at_edge(const JointModel& model, const std::vector<int>& facet, 
 double turn_cosine(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
                    const FacetEdge& b) {
   return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge));
+}
+
+/// Where the surface turns away from itself from facet a to b, as at a ridge: how deep b's middle lies below a, > 0.
+double downwards(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
+                 const FacetEdge& b) {
+  const std::vector<int>& facet = facets[at(a.facet)];
+  return (model.nodes[at(facet[at(a.edge)])] - shape_of(model, facets[at(b.facet)]).center)
+      .dot(normal_at_edge(model, facet, a.edge));
 }
 
 std::vector<std::vector<int>> all_facets(const FacetList& list) {
@@ -323,6 +330,7 @@ namespace {
 struct Across {
   int facet = -1, edge = -1;
   bool smooth = false, bevelled = false;
+  double turn = 0.0;  ///< by how much the surface turns there [rad]; < 0: upwards
 };
 
 /// All facets that may meet at an edge: the boundary, and selected facets that are no part of it.
@@ -358,9 +366,10 @@ Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, c
     if (last - first != 2) return;  // the rim of nothing, or faces that merely touch there
     const FacetEdge &a = edges[first], &b = edges[first + 1];
     const double cosine = turn_cosine(model, m.facets, a, b);
-    const bool bevelled = cosine < kCos20 && cosine > kCos65;
-    m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled};
-    m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled};
+    const bool bevelled = cosine < kCos20 && cosine > kCos40;
+    const double turn = std::copysign(std::acos(std::clamp(cosine, -1.0, 1.0)), downwards(model, m.facets, a, b));
+    m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled, turn};
+    m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled, turn};
   });
   return m;
 }
@@ -457,7 +466,10 @@ BeyondEdges beyond_edges(const JointModel& model, const Meeting& m, double highe
       const FaceKind kind = m.kinds[at(next.facet)];
       LayerFace::Edge found;
       if (!next.smooth) {
-        if (kind != FaceKind::Bonded) found.step = step_size(model, m, f, k, highest_step);
+        if (kind != FaceKind::Bonded) {
+          found.step = step_size(model, m, f, k, highest_step);
+          if (found.step == 0 && next.turn > 0) found.wall = next.turn;
+        }
       } else if (m.in_face[at(next.facet)]) {
         continue;
       } else if (kind == FaceKind::Bonded) {

@@ -34,13 +34,15 @@ struct LayerFace {
     bool bonded = false;  ///< a wall for the layer goes on there, but bonded to bone: nothing flows under it
     bool shared = false;  ///< the layer goes on beyond, and another contact presses it there (shared_layers.h)
     double step = 0.0;    ///< Free: height of a step in the layer [mm], beyond which its face goes on alike; 0: none
+    double wall = 0.5 * kPi;  ///< Free: by how much the surface turns down into the layer's side wall [rad]; a right
+                              ///< angle, too, where no elements say it
   };
   SurfaceMesh mesh;
   int pressed = 0;                      ///< triangles of Layer::articular: the first ones
   std::vector<char> pressed_by_others;  ///< per triangle: other contacts press it (shared_layers.h); empty: none
   std::vector<double> thickness;        ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;              ///< of one triangle alone, sorted by triangle and edge
-  double bevelled = 0.0;                ///< length of the selection's rim where the next face turns by 20 to 65 degrees
+  double bevelled = 0.0;                ///< length of the selection's rim where the next face turns by 20 to 40 degrees
 };
 
 /// What a face of the layer's elements is.

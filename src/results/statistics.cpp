@@ -159,7 +159,7 @@ std::vector<CompartmentLoad> compartment_loads(const Joint& joint, const SpringB
   const Springs& springs = beds.beds[contact].springs;
   const bool on_articular = layer.springs_at == SpringsAt::Articular;
   for (int i = 0; i < s.size(); ++i) {
-    const double f = s.pressure[at(i)] * s.area[at(i)];
+    const double f = s.force(at(i));
     if (!(f > 0)) continue;
     const int triangle = !on_articular ? -1 : side == pair.source ? springs.surface_triangle[at(i)] : s.triangle[at(i)];
     const int c = triangle >= 0 ? layer.compartments.of_triangle[at(triangle)] : nearest(s.foot[at(i)]);
@@ -228,7 +228,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     stats.springs = beds.beds[c].springs.size();
     std::vector<double> pressure, area;
     Vector3d moment = Vector3d::Zero();
-    double force = 0.0;
+    double force = 0.0, pressed = 0.0;
     for (int i = 0; i < s.size(); ++i) {
       const auto k = at(i);
       if (s.area[k] <= 0) continue;
@@ -237,9 +237,10 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
       ++stats.springs_active;
       pressure.push_back(s.pressure[k]);
       area.push_back(s.area[k]);
-      const double f = s.pressure[k] * s.area[k];
+      const double f = s.force(k);
       moment += f * s.foot[k];
       force += f;
+      pressed += s.pressure[k] * s.area[k];
       stats.contact_area += s.area[k];
       stats.largest_strain = std::max(stats.largest_strain, s.strain[k]);
     }
@@ -247,7 +248,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     if (s.rates.rows() > 0) stats.complementarity = s.complementarity;
     const bool any = !pressure.empty();
     stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
-    stats.mean = any ? force / stats.contact_area : kNaN;
+    stats.mean = any ? pressed / stats.contact_area : kNaN;
     set_percentiles(stats, in_rising_order(pressure, area));
     stats.center_of_pressure = any ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
     std::vector<double> nodal;

@@ -60,15 +60,21 @@ double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactF
 
 }  // namespace
 
-/// Contact that runs over a free edge: half of a condyle over a plateau's rim had 25 % too little force.
+/// Contact that runs over a free edge. The deeper, the more is missing: a film that is pressed out over an edge flows
+/// the less, the thinner it has become (docs/layer_law.md, section 3).
 Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kSome = 0.1;
   Findings found;
   for (const JudgedSide& s : judged_sides(model, joint, result)) {
     if (s.layer.rigid || s.fields.pressure.empty()) continue;
     const double share = share_at_edges(s.layer, s.fields.pressure), thickness = s.layer.mean_thickness();
-    if (share > kSome)
-      found.push_back({"force-at-edge", s.subject, {{"percent", 100 * share}, {"thickness", thickness}}});
+    if (!(share > kSome)) continue;
+    const double strain = s.statistics.largest_strain;
+    const int form = strain < 0.15 ? 0 : 1, cost = strain < 0.25 ? 10 : 20;
+    found.push_back({"force-at-edge",
+                     s.subject,
+                     {{"percent", 100 * share}, {"thickness", thickness}, {"strain", 100 * strain}, {"cost", cost}},
+                     form});
   }
   return found;
 }

@@ -206,11 +206,14 @@ std::vector<Rule> all_rules() {
                thick_layers),
       of_result(
           "force-at-edge",
-          "Do not quote force and peak to better than a quarter; let the contact end before the edge, or use FEBio.",
-          {{W,
+          "Do not quote force and peak to better than this; let the contact end before the edge, or use FEBio.",
+          {{N,
             "contact \"{contact}\": at time {time} {percent:.0f}% of its force presses surface \"{surface}\" within "
-            "one thickness ({thickness:.3g}) of its layer's free edge: where the other surface goes on over the edge, "
-            "force may be 25%, pressures there 15% too low"}},
+            "one thickness ({thickness:.3g}) of its layer's free edge: force may be 5%, pressures there 15% off"},
+           {W,
+            "contact \"{contact}\": at time {time} {percent:.0f}% of its force presses surface \"{surface}\" within "
+            "one thickness ({thickness:.3g}) of its layer's free edge, at strains of up to {strain:.0f}%: where the "
+            "other surface goes on over the edge, force and pressures there may be {cost}% too low"}},
           force_at_edge),
       of_result(
           "smeared-map", "Use the springs' own numbers, or mesh this surface finer.",
@@ -348,8 +351,8 @@ std::vector<Rule> all_rules() {
       quiet("rim-bevelled", "Do not quote pressures within a thickness of the bevel.",
             {{N,
               "surface \"{surface}\": the layer ends in a bevel along {length:.3g} of its rim (the next face turns by "
-              "20 to 65 degrees), which is taken as going on below 40 degrees and as a free edge above: pressures "
-              "within a thickness of it may be a third off"}}),
+              "20 to 40 degrees), which is taken as going on: what presses within a thickness of it may come out 15% "
+              "too high, 30% for a Poisson's ratio of 0.49"}}),
       told("tie-out-of-reach", "Give the contact a larger reach if the nodes are to be tied.",
            {{N,
              "contact \"{contact}\" of type {type} reaches {reach:g}, and {nodes} of {of} nodes lie {nearest:.4g} or "

@@ -183,7 +183,8 @@ SpringStates empty_states(std::size_t n) {
   SpringStates s;
   const auto resize = [n](auto&... each) { (each.resize(n), ...); };
   resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
-         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.too_deep);
+         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.beyond,
+         s.too_deep);
   s.per_motion.resize(n, Vector3d::Zero());
   return s;
 }
@@ -330,6 +331,16 @@ Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, in
     gradient += ((layer.springs_at == SpringsAt::Bone ? 1.0 : 0.0) - strain_source) *
                 thickness_gradient(mesh, layer.thickness, t);
   return source.rotation * gradient;
+}
+
+double covered_part(const SpringBed& bed, const RelativePose& relative, const std::array<Vector3d, 3>& triangle,
+                    const Vector3d& direction, double gap) {
+  std::array<Vector3d, 3> foot;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * triangle[c] + relative.shift;
+  const Vector3d middle = (foot[0] + foot[1] + foot[2]) / 3.0, n = relative.rotation * direction;
+  return coverage(bed.target.mesh(), foot, n, bed.target.within(middle + gap * n, 3.0 * bed.foot_radius),
+                  bed.target_center)
+      .fraction;
 }
 
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,

@@ -20,6 +20,11 @@ std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const Relative
                                             const SurfaceMesh& surface, const SpringStates& states, int i, int first,
                                             int end, const std::vector<char>& own = {});
 
+/// The part of a triangle beside the source's surface, seen along `direction`, over which there is target, `gap` away
+/// hereabouts. Both in the source's reference frame.
+double covered_part(const SpringBed& bed, const RelativePose& relative, const std::array<Vector3d, 3>& triangle,
+                    const Vector3d& direction, double gap);
+
 /// kappa: d(overlap) = kappa . (delta_target - delta_source) at the end of spring i (E2), less what its rest length
 /// loses by the target's thickness there, times its strain (E3). Global frame.
 Vector3d overlap_rate(const SpringBed& bed, const SpringStates& states, int i, double strain_target,

@@ -5,6 +5,7 @@
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/springs/edge_bulge.h"
 #include "src/springs/gaps.h"
 #include "src/springs/spring_law.h"
 
@@ -47,17 +48,18 @@ BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, Shared
 }
 
 /// One foot on each triangle of the contact's surface, divided as the springs are.
-LayerFeet whole_feet(const BedLayer& of, int triangles) {
+void add_source_feet(int triangles, LayerBed& bed) {
+  const BedLayer& of = bed.source;
   const SurfaceMesh& mesh = of.layer->mesh.mesh;
-  LayerFeet feet;
   const auto parts = triangle_parts(of.layer->mesh.divide);
   for (int t = 0; t < triangles; ++t)
     for (const auto& w : parts) {
-      const int part = of.mesh_triangle(
-          t, {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3});
-      add_foot(feet, *of.layer, {{part, mesh.areas[at(part)]}}, mesh.areas[at(part)]);
+      bed.source_triangle.push_back(of.mesh_triangle(
+          t,
+          {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
+      const int part = bed.source_triangle.back();
+      add_foot(bed.whole, *of.layer, {{part, mesh.areas[at(part)]}}, mesh.areas[at(part)]);
     }
-  return feet;
 }
 
 }  // namespace
@@ -66,7 +68,7 @@ std::shared_ptr<const LayerBed> make_layer_bed(const Joint& joint, const Contact
   auto layers = std::make_shared<LayerBed>();
   layers->source = bed_layer(joint, pair, pair.source, shared);
   layers->target = bed_layer(joint, pair, 1 - pair.source, shared);
-  if (layers->source.layer) layers->whole = whole_feet(layers->source, pair.source_layer().articular.size());
+  if (layers->source.layer) add_source_feet(pair.source_layer().articular.size(), *layers);
   return layers;
 }
 
@@ -328,9 +330,26 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
       if (result.active[at(all.begin[b] + i)])
         set_spring(*beds[b].bed, all.layer_of[b], result, all.begin[b] + i, i, states[b]);
   }
+  std::vector<std::vector<double>> flows(all.layers.size());  // of layers, when they are asked for
+  const auto outflow = [&](std::size_t side, std::size_t bed) {
+    return [&, side, bed]() -> const std::vector<double>& {
+      const std::size_t layer = at(all.layer_of[bed][side]);
+      if (flows[layer].empty()) flows[layer] = edge_flow(*all.layers[layer], feet[layer], result.pressure);
+      return flows[layer];
+    };
+  };
+  std::vector<std::vector<double>> factors(beds.size());
+  for (std::size_t b = 0; b < beds.size(); ++b)
+    if (beds[b].active) factors[b] = press_bulges(beds[b], {outflow(0, b), outflow(1, b)}, states[b]);
   const Eigen::MatrixXd rates =
       pressure_rates(all, contact, result, overlap_rates(all, contact, result, states), options, memory);
   share_out_rates(all, rates, states);
+  for (std::size_t b = 0; b < beds.size(); ++b)
+    for (std::size_t k = 0; k < factors[b].size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      states[b].rates.row(row) *= factors[b][k];
+      for (CrossRates& other : states[b].cross) other.rates.row(row) *= factors[b][k];
+    }
   if (!memory) return;
   *memory = {result.pressure, rates, {}, {}};
   for (std::size_t m = 0; m < all.pairs.size(); ++m) {

@@ -1,5 +1,5 @@
 // src/springs/layer_bed.h – the spring bed of Law::Layer: its springs share what the layers give way sideways
-// (L1-L10).
+// (L1-L11).
 #pragma once
 #include <map>
 #include <memory>
@@ -26,7 +26,8 @@ struct BedLayer {
 /// The two layers of a contact as operators, each on its own mesh: factorised once, whatever the poses.
 struct LayerBed {
   BedLayer source, target;
-  LayerFeet whole;  ///< the springs' whole feet on the source's layer
+  LayerFeet whole;                   ///< the springs' whole feet on the source's layer
+  std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on
 };
 
 /// The operators of layers that several contacts press, made as they are asked for: one per shared layer of the joint.

@@ -111,7 +111,27 @@ EdgeLaw edge_law(const Elasticity& layer, LayerFit fit) {
   // two there are 1/(4 sqrt(beta_1)) and 1/sqrt(beta_0).
   const LayerLaw law = two_terms(layer.nu);
   edge.own = std::max(0.0, 0.52 - edge.around / (4 * std::sqrt(law.beta[1])) - edge.straight / std::sqrt(law.beta[0]));
-  for (double* value : {&edge.straight, &edge.curved, &edge.around, &edge.own}) *value /= layer.E;
+  edge.goes_on = 0.5 * std::sqrt(law.beta[1]) * law.square;
+  edge.unit = 1;
+  edge.driven = 5.37 * nu * nu - 0.517 * nu - 0.192;
+  edge.squeezed = -3.16 * nu * nu + 1.2 * nu + 0.37;
+  for (double* value :
+       {&edge.straight, &edge.curved, &edge.around, &edge.own, &edge.goes_on, &edge.unit, &edge.driven, &edge.squeezed})
+    *value /= layer.E;
+  return edge;
+}
+
+EdgeLaw leaning(const EdgeLaw& vertical, double slope) {
+  constexpr double kSlope40 = 1.1917535925942099, kSlope120 = -0.57735026918962576;
+  slope = std::clamp(slope, kSlope120, kSlope40);
+  // a bevel props the edge up, at most as a layer that goes on does; an undercut lip bends
+  const double bevel = std::max(0.0, slope), undercut = std::max(0.0, -slope);
+  EdgeLaw edge = vertical;
+  edge.straight = edge.straight * std::exp(-3.9 * slope) - 0.29 * bevel * edge.unit;
+  edge.around = std::max(edge.goes_on, edge.around * std::exp(-5.2 * slope) - 0.2 * bevel * edge.unit);
+  edge.own = edge.own * std::exp(-6 * bevel) + 0.85 * undercut * edge.unit;
+  edge.driven *= std::exp(0.85 * undercut - 0.45 * bevel);
+  edge.squeezed = (edge.squeezed + 0.2 * edge.unit) * std::exp(-2.7 * slope) - 0.2 * edge.unit;
   return edge;
 }
 

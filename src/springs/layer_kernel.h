@@ -45,14 +45,21 @@ struct LayerLaw {
 };
 
 /// What a free edge adds (L7), all [1/MPa]; zero with one term. Read off own finite elements of strips, discs and
-/// holes, nu = 0.3 to 0.4999 (docs/layer_law.md, section 3).
+/// holes, nu = 0.3 to 0.4999, and of strips whose wall leans (docs/layer_law.md, section 3).
 struct EdgeLaw {
-  double straight = 0.0, curved = 0.0;  ///< the hoop stretch: e = straight + curved min(kappa t, 1)
+  double straight = 0.0, curved = 0.0;  ///< the edge's stretch: e = straight + curved min(kappa t, 1)
   double around = 0.0;                  ///< of the second term's pressure at the edge
   double own = 0.0;                     ///< t own exp(-4.5 d/t) of the foot's own pressure, d from the edge
+  double goes_on = 0.0;                 ///< `around` where the layer goes on
+  double driven = 0.0, squeezed = 0.0;  ///< the edge's way outwards: t (driven r + squeezed p), r: rho per B (L11)
+  double unit = 0.0;                    ///< 1/E
 };
 inline constexpr double kEdgeDecay = 4.5;
+/// Of a vertical wall.
 EdgeLaw edge_law(const Elasticity& layer, LayerFit fit);
+/// Of a wall that leans. `slope`: the cotangent of the angle by which the surface turns down into it; > 0: a bevel,
+/// < 0: an undercut. Beyond those of 40 and 120 degrees: as there.
+EdgeLaw leaning(const EdgeLaw& vertical, double slope);
 LayerLaw layer_law(const Elasticity& layer, LayerFit fit);
 
 }  // namespace dea

@@ -26,32 +26,35 @@ std::array<Vector3d, 3> hat_gradients(const SurfaceMesh& mesh, int t) {
   return gradient;
 }
 
-/// Per vertex: distance from the nearest free edge of the face, from each edge over the triangles around, as far as it
-/// is felt.
-std::vector<double> edge_distances(const LayerFace& face, const LayerMesh& layer) {
+/// Per vertex: distance from the nearest free edge, from each edge over the triangles around, as far as it is felt, and
+/// the slope of the wall there (`slope`: of the edges' vertices).
+void find_nearest_edges(const std::vector<double>& slope, double reach, LayerMesh& layer) {
   const SurfaceMesh& mesh = layer.mesh;
-  const double reach =
-      kEdgeReach * (face.thickness.empty() ? 0.0 : *std::max_element(face.thickness.begin(), face.thickness.end()));
-  std::vector<double> distance(mesh.vertices.size(), reach);
+  std::vector<double>& distance = layer.edge_distance;
+  distance.assign(mesh.vertices.size(), reach);
+  layer.wall_slope.assign(mesh.vertices.size(), 0.0);
+  layer.nearest_edge.assign(mesh.vertices.size(), -1);
   std::vector<int> seen(at(mesh.size()), -1), front;
-  for (std::size_t k = 0; k < face.edges.size(); ++k) {
-    const LayerFace::Edge& edge = face.edges[k];
+  for (std::size_t k = 0; k < layer.edges.size(); ++k) {
+    const LayerMesh::Edge& edge = layer.edges[k];
     if (edge.rim != Rim::Free) continue;
-    const Vector3d &a = face.mesh.corner(edge.triangle, edge.edge),
-                   &b = face.mesh.corner(edge.triangle, (edge.edge + 1) % 3);
-    front.clear();
-    for (int p = 0; p < layer.divide * layer.divide; ++p) {
-      front.push_back(edge.triangle * layer.divide * layer.divide + p);
-      seen[at(front.back())] = static_cast<int>(k);
-    }
+    const Vector3d &a = mesh.vertices[at(edge.a)], &b = mesh.vertices[at(edge.b)];
+    front = {edge.triangle};
+    seen[at(edge.triangle)] = static_cast<int>(k);
     while (!front.empty()) {
       const int t = front.back();
       front.pop_back();
       bool felt = false;
       for (int v : mesh.triangles[at(t)]) {
-        const double d = distance_to_segment(mesh.vertices[at(v)], a, b);
+        const Vector3d& x = mesh.vertices[at(v)];
+        const double d = distance_to_segment(x, a, b);
         felt = felt || d < reach;
-        distance[at(v)] = std::min(distance[at(v)], d);
+        if (d >= distance[at(v)]) continue;
+        distance[at(v)] = d;
+        layer.nearest_edge[at(v)] = static_cast<int>(k);
+        const double along = edge.length > 0 ? (x - a).dot(b - a) / (edge.length * edge.length) : 0.0;
+        layer.wall_slope[at(v)] =
+            slope[at(edge.a)] + std::clamp(along, 0.0, 1.0) * (slope[at(edge.b)] - slope[at(edge.a)]);
       }
       if (!felt) continue;
       for (const int next : mesh.neighbours[at(t)]) {
@@ -61,7 +64,6 @@ std::vector<double> edge_distances(const LayerFace& face, const LayerMesh& layer
       }
     }
   }
-  return distance;
 }
 
 /// (L10), with the mass lumped, so that the least and the largest thickness bound it.
@@ -91,60 +93,98 @@ std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector
   return out;
 }
 
-/// Curvature of the free edges within the surface: how much the rim turns at each vertex, pi less the angles of the
-/// triangles there, spread along the rim over twice the thickness to both sides, so that zigzags cancel. In a plane of
-/// symmetry the rim has its mirror image beyond.
-std::vector<double> edge_curvatures(const LayerMesh& layer) {
-  const SurfaceMesh& mesh = layer.mesh;
-  std::vector<double> curvature(mesh.vertices.size(), 0.0), angles(mesh.vertices.size(), 0.0);
-  std::vector<int> out(mesh.vertices.size(), -1), in(mesh.vertices.size(), -1);  // free edge that leaves, that arrives
-  std::vector<char> walled(mesh.vertices.size(), 0), beside(mesh.vertices.size(), 0);
+/// The free edges, from vertex to vertex.
+struct FreeRim {
+  std::vector<int> out, in;  ///< per vertex: the edge that leaves it, that arrives; -1: none
+  std::vector<char> walled;  ///< per vertex: in a plane of symmetry, beyond which the rim has its mirror image
+  bool has(int v) const { return out[at(v)] >= 0 || in[at(v)] >= 0; }
+};
+
+FreeRim free_rim(const LayerMesh& layer) {
+  const std::size_t n = layer.mesh.vertices.size();
+  FreeRim rim{std::vector<int>(n, -1), std::vector<int>(n, -1), std::vector<char>(n, 0)};
   for (std::size_t k = 0; k < layer.edges.size(); ++k) {
     const LayerMesh::Edge& edge = layer.edges[k];
-    if (edge.rim == Rim::Free) {
-      out[at(edge.a)] = in[at(edge.b)] = static_cast<int>(k);
-      beside[at(edge.a)] = beside[at(edge.b)] = 1;
-    } else if (edge.rim == Rim::Wall) {
-      walled[at(edge.a)] = walled[at(edge.b)] = 1;
+    if (edge.rim == Rim::Free)
+      rim.out[at(edge.a)] = rim.in[at(edge.b)] = static_cast<int>(k);
+    else if (edge.rim == Rim::Wall)
+      rim.walled[at(edge.a)] = rim.walled[at(edge.b)] = 1;
+  }
+  return rim;
+}
+
+/// From a vertex along the rim to both sides, until more than `reach` is behind: visit(edge, vertex that it leads to,
+/// way to there).
+template <class Visit>
+void walk_along(const LayerMesh& layer, const FreeRim& rim, int from, double reach, const Visit& visit) {
+  for (const bool forwards : {true, false}) {
+    double way = 0.0;
+    int at_vertex = from;
+    bool onwards = forwards;
+    for (std::size_t steps = 0; steps <= layer.edges.size(); ++steps) {
+      int next = onwards ? rim.out[at(at_vertex)] : rim.in[at(at_vertex)];
+      if (next < 0 && rim.walled[at(at_vertex)]) {  // the mirror image: back along the same edges
+        onwards = !onwards;
+        next = onwards ? rim.out[at(at_vertex)] : rim.in[at(at_vertex)];
+      }
+      if (next < 0) break;
+      const LayerMesh::Edge& edge = layer.edges[at(next)];
+      way += edge.length;
+      at_vertex = onwards ? edge.b : edge.a;
+      visit(edge, at_vertex, way);
+      if (way >= reach) break;
     }
   }
+}
+
+/// Along a rim, what is said of its vertices and edges is spread over so many thicknesses to both sides, so that a
+/// mesh's zigzags cancel.
+constexpr double kSpreadAlong = 2.0;
+
+/// Curvature of the free edges within the surface: how much the rim turns at each vertex, pi less the angles of the
+/// triangles there.
+std::vector<double> edge_curvatures(const LayerMesh& layer, const FreeRim& rim) {
+  const SurfaceMesh& mesh = layer.mesh;
+  std::vector<double> curvature(mesh.vertices.size(), 0.0), angles(mesh.vertices.size(), 0.0);
   for (int t = 0; t < mesh.size(); ++t)
     for (int c = 0; c < 3; ++c) {
       const int v = mesh.triangles[at(t)][at(c)];
-      if (!beside[at(v)]) continue;
+      if (!rim.has(v)) continue;
       const Vector3d a = mesh.corner(t, (c + 1) % 3) - mesh.corner(t, c),
                      b = mesh.corner(t, (c + 2) % 3) - mesh.corner(t, c);
       angles[at(v)] += std::atan2(a.cross(b).norm(), a.dot(b));
     }
   const auto turning = [&](int v) {
-    if (out[at(v)] >= 0 && in[at(v)] >= 0) return kPi - angles[at(v)];
-    return walled[at(v)] ? kPi - 2 * angles[at(v)] : 0.0;
+    if (rim.out[at(v)] >= 0 && rim.in[at(v)] >= 0) return kPi - angles[at(v)];
+    return rim.walled[at(v)] ? kPi - 2 * angles[at(v)] : 0.0;
   };
-  for (std::size_t v = 0; v < curvature.size(); ++v) {
-    const double reach = 2 * layer.thickness[v];
-    if (!beside[v] || !(reach > 0)) continue;
-    double sum = turning(static_cast<int>(v));
-    for (const bool forwards : {true, false}) {
-      double way = 0.0;
-      int at_vertex = static_cast<int>(v);
-      bool onwards = forwards;
-      for (std::size_t steps = 0; steps <= layer.edges.size(); ++steps) {
-        int next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
-        if (next < 0 && walled[at(at_vertex)]) {  // the mirror image: back along the same edges
-          onwards = !onwards;
-          next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
-        }
-        if (next < 0) break;
-        const LayerMesh::Edge& edge = layer.edges[at(next)];
-        way += edge.length;
-        at_vertex = onwards ? edge.b : edge.a;
-        if (way >= reach) break;
-        sum += turning(at_vertex) * (1 - way / reach);
-      }
-    }
-    curvature[v] = sum / reach;
+  for (int v = 0; v < layer.nodes(); ++v) {
+    const double reach = kSpreadAlong * layer.thickness[at(v)];
+    if (!rim.has(v) || !(reach > 0)) continue;
+    double sum = turning(v);
+    walk_along(layer, rim, v, reach, [&](const LayerMesh::Edge&, int vertex, double way) {
+      if (way < reach) sum += turning(vertex) * (1 - way / reach);
+    });
+    curvature[at(v)] = sum / reach;
   }
   return curvature;
+}
+
+/// Slope of the side wall at the vertices of free edges: the cotangent of the angle by which the surface turns there.
+std::vector<double> edge_slopes(const LayerMesh& layer, const FreeRim& rim) {
+  std::vector<double> slope(layer.mesh.vertices.size(), 0.0);
+  for (int v = 0; v < layer.nodes(); ++v) {
+    const double reach = kSpreadAlong * layer.thickness[at(v)];
+    if (!rim.has(v)) continue;
+    double sum = 0.0, weights = 0.0;
+    walk_along(layer, rim, v, reach, [&](const LayerMesh::Edge& edge, int, double way) {
+      const double weight = edge.length * std::max(1e-3, 1 - (way - 0.5 * edge.length) / std::max(reach, edge.length));
+      sum += weight / std::tan(edge.wall);
+      weights += weight;
+    });
+    if (weights > 0) slope[at(v)] = sum / weights;
+  }
+  return slope;
 }
 
 SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
@@ -223,19 +263,22 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
         const auto& corner = layer.mesh.triangles[at(triangle)];
         layer.edges.push_back({corner[c], corner[next], triangle,
                                (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(),
-                               edge.rim});
+                               edge.rim, edge.wall});
       }
   }
   layer.beside = vertex_neighbours(layer.mesh.vertices.size(), layer.mesh.triangles);
-  layer.edge_distance = edge_distances(face, layer);
+  const double deepest = face.thickness.empty() ? 0.0 : *std::max_element(face.thickness.begin(), face.thickness.end());
   layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
-  layer.edge_curvature = edge_curvatures(layer);  // by that thickness: the measured one is none where a layer runs out
+  const FreeRim rim = free_rim(layer);
+  layer.edge_curvature =
+      edge_curvatures(layer, rim);  // by that thickness: the measured one is none where a layer runs out
+  find_nearest_edges(edge_slopes(layer, rim), kEdgeReach * deepest, layer);
   return layer;
 }
 
 void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<SurfacePart>& parts, double area) {
   const LayerMesh& layer = of.mesh;
-  const double local = of.law.local, edge_own = of.edge.own;
+  const double local = of.law.local;
   double sum = 0;
   for (const SurfacePart& part : parts) sum += part.area;
   double volume = 0, own = 0;
@@ -244,10 +287,11 @@ void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<Surfac
     const std::size_t first = at(feet.begin.back());
     for (const SurfacePart& part : parts) {
       const auto& corner = layer.mesh.triangles[at(part.triangle)];
-      double t[3], d[3], shape = 0;
+      double t[3], d[3], edge_own = 0, shape = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         t[k] = layer.thickness[at(corner[k])];
         d[k] = layer.edge_distance[at(corner[k])];
+        if (!of.edge_own.empty()) edge_own += of.edge_own[at(corner[k])] / 3;
       }
       std::array<double, 3> b = {0, 0, 0};
       double part_volume = 0, part_own = 0;
@@ -333,7 +377,7 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
     }
   }
   std::vector<int> in_first = under;  // what flows out at edges comes back there
-  in_first.insert(in_first.end(), layer.beside_outflow.begin(), layer.beside_outflow.end());
+  in_first.insert(in_first.end(), layer.beside_edges.begin(), layer.beside_edges.end());
   feet.columns[0] = columns_for(layer.factor[0], in_first);
   feet.columns[1].clear();
   if (layer.law.terms < 2) return;
@@ -357,12 +401,13 @@ StrainExcess strain_excess(const Elasticity& layer, double q) {
 /// M_t, K_t3, and along the edges the integral of t^2.
 struct Parts {
   std::vector<double> mass, stiffness, free_edge, open_edge;
+  std::vector<double> around;  ///< along free edges, by EdgeLaw::around
 };
 
-Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
+Parts assemble(const LayerMesh& layer, const EdgeLaw& vertical, const SymmetricPattern& pattern) {
   const SurfaceMesh& surface = layer.mesh;
   const std::vector<double> none(at(pattern.entries()), 0.0);
-  Parts parts = {none, none, none, none};
+  Parts parts = {none, none, none, none, none};
   for (int t = 0; t < surface.size(); ++t) {
     const auto& corner = surface.triangles[at(t)];
     const double A = surface.areas[at(t)];
@@ -385,9 +430,18 @@ Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
     std::vector<double>& along = side.rim == Rim::Free ? parts.free_edge : parts.open_edge;
     // integral of t^2 N_i N_j along the edge, t linear
     const double ta = layer.thickness[at(side.a)], tb = layer.thickness[at(side.b)], l = side.length / 30;
-    along[at(pattern.find(side.a, side.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
-    along[at(pattern.find(side.b, side.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
-    along[at(pattern.find(side.a, side.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
+    const double around =
+        side.rim == Rim::Free
+            ? leaning(vertical, 0.5 * (layer.wall_slope[at(side.a)] + layer.wall_slope[at(side.b)])).around
+            : 0.0;
+    const auto add = [&](int i, int j, double integral) {
+      const std::size_t s = at(pattern.find(i, j));
+      along[s] += integral;
+      parts.around[s] += around * integral;
+    };
+    add(side.a, side.a, l * (6 * ta * ta + 3 * ta * tb + tb * tb));
+    add(side.b, side.b, l * (6 * tb * tb + 3 * ta * tb + ta * ta));
+    add(side.a, side.b, l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb));
   }
   return parts;
 }
@@ -395,7 +449,7 @@ Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
 /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
 /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is missing.
 /// Returns per vertex what the diagonal of S_0 gains where a hole's rim is not held.
-std::vector<double> hold_edges(LayerOperator& op) {
+std::vector<double> hold_edges(const EdgeLaw& vertical, LayerOperator& op) {
   const LayerMesh& layer = op.mesh;
   const std::size_t n = at(layer.nodes());
   std::vector<char> carries(n, 0), bare(n, 0);
@@ -420,10 +474,12 @@ std::vector<double> hold_edges(LayerOperator& op) {
     op.held[1][v] = !carries[v];
     op.held[0][v] = !carries[v] || bare[v];
     if (op.held[0][v] || !free[v]) continue;
+    op.edge_vertices.push_back({static_cast<int>(v), share[v], 0.0});
     const double bend = std::min(layer.edge_curvature[v] * layer.thickness[v], 1.0),
-                 e = op.edge.straight + op.edge.curved * bend;
+                 e = leaning(vertical, layer.wall_slope[v]).straight + vertical.curved * bend;
     if (e < 0 && op.law.weight[0] < 0 && share[v] > 0) {
-      gained[v] = op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
+      op.edge_vertices.back().gained = gained[v] =
+          op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
       continue;
     }
     op.held[0][v] = 1;
@@ -432,11 +488,11 @@ std::vector<double> hold_edges(LayerOperator& op) {
   return gained;
 }
 
-std::vector<int> with_neighbours(const LayerMesh& mesh, const std::vector<LayerOperator::Outflow>& outflow) {
+std::vector<int> with_neighbours(const LayerMesh& mesh, const std::vector<LayerOperator::EdgeVertex>& edges) {
   std::vector<int> nodes;
-  for (const LayerOperator::Outflow& out : outflow) {
-    nodes.push_back(out.node);
-    nodes.insert(nodes.end(), mesh.beside[at(out.node)].begin(), mesh.beside[at(out.node)].end());
+  for (const LayerOperator::EdgeVertex& v : edges) {
+    nodes.push_back(v.node);
+    nodes.insert(nodes.end(), mesh.beside[at(v.node)].begin(), mesh.beside[at(v.node)].end());
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -450,11 +506,14 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
   op.mesh = std::move(mesh);
   op.elasticity = elasticity;
   op.law = layer_law(elasticity, fit);
-  op.edge = edge_law(elasticity, fit);
+  const EdgeLaw vertical = op.edge = edge_law(elasticity, fit);
+  if (std::any_of(op.mesh.edges.begin(), op.mesh.edges.end(),
+                  [](const LayerMesh::Edge& edge) { return edge.rim == Rim::Free; }))
+    for (const double slope : op.mesh.wall_slope) op.edge_own.push_back(leaning(vertical, slope).own);
   op.pattern = pattern_of(op.mesh.mesh);
   const SymmetricPattern& pattern = op.pattern;
-  const std::vector<double> gained = hold_edges(op);
-  const Parts parts = assemble(op.mesh, pattern);
+  const std::vector<double> gained = hold_edges(vertical, op);
+  const Parts parts = assemble(op.mesh, vertical, pattern);
   const std::size_t entries = parts.mass.size();
   std::vector<double> values(entries), unheld;
   for (std::size_t k = 0; k < at(op.law.terms); ++k) {
@@ -474,16 +533,16 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
       }
     op.factor[k] = factorise(pattern, values);
   }
-  if (!op.outflow.empty()) op.unheld = std::move(unheld);
-  op.beside_outflow = with_neighbours(op.mesh, op.outflow);
+  if (!op.edge_vertices.empty()) op.unheld = std::move(unheld);
+  op.beside_edges = with_neighbours(op.mesh, op.edge_vertices);
   if (op.law.terms < 2) return op;
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
   op.onwards.resize(entries);
   op.beyond.resize(entries);
   for (std::size_t s = 0; s < entries; ++s)
-    op.onwards[s] = op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) +
-                    op.edge.around * parts.free_edge[s];
+    op.onwards[s] =
+        op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) + parts.around[s];
   for (std::size_t s = 0; s < entries; ++s) op.beyond[s] = std::sqrt(op.law.beta[1]) * parts.open_edge[s];
   op.mass = parts.mass;
   return op;
@@ -536,9 +595,9 @@ Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t 
 /// z (L7), for the load b p and its q_0.
 Nodal edge_stretch(const LayerOperator& op, const LayerFeet& feet, const Nodal& load, const Nodal& q) {
   Nodal held = Nodal::Zero(q.rows(), q.cols()), z = held, right_side = held;
-  add_times(op.pattern, op.unheld, op.beside_outflow, q, held);
+  add_times(op.pattern, op.unheld, op.beside_edges, q, held);
   for (const LayerOperator::Outflow& v : op.outflow) z.row(v.node) = v.stretch * (load.row(v.node) - held.row(v.node));
-  add_times(op.pattern, op.unheld, op.beside_outflow, z, right_side);
+  add_times(op.pattern, op.unheld, op.beside_edges, z, right_side);
   return z - term_pressure(op, feet, 0, std::move(right_side));  // which holds the edge
 }
 
@@ -603,6 +662,23 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
     return e.strain;
   };
   return flow(layer, feet, pressure, excess, true);
+}
+
+std::vector<double> edge_flow(const LayerOperator& op, const LayerFeet& feet, const Eigen::VectorXd& pressure) {
+  std::vector<double> flow(at(op.mesh.nodes()), 0.0);
+  const Nodal load = loads(op, feet, pressure), q = term_pressure(op, feet, 0, load);
+  Nodal held = Nodal::Zero(q.rows(), 1);
+  add_times(op.pattern, op.unheld, op.beside_edges, q, held);
+  for (const LayerOperator::EdgeVertex& v : op.edge_vertices)
+    if (v.share > 0)
+      flow[at(v.node)] = (load(v.node, 0) - held(v.node, 0) + v.gained * q(v.node, 0)) / v.share +
+                         std::sqrt(op.law.beta[0]) * q(v.node, 0);
+  return flow;
+}
+
+double edge_move(const LayerOperator& op, int vertex, const std::vector<double>& flow, double pressure) {
+  const EdgeLaw law = leaning(op.edge, op.mesh.wall_slope[at(vertex)]);
+  return op.mesh.thickness[at(vertex)] * (law.driven * flow[at(vertex)] + law.squeezed * pressure);
 }
 
 Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const Eigen::VectorXd& pressure, int powers) {

@@ -20,6 +20,7 @@ struct LayerMesh {
     int triangle = -1;
     double length = 0.0;
     Rim rim = Rim::Free;
+    double wall = 0.5 * kPi;  ///< as LayerFace::Edge has it
   };
   int divide = 1;    ///< triangle t of the face is here the triangles t divide^2 + part (triangle_parts)
   int pressed = 0;   ///< the first triangles: those of the contact surface; the others carry no pressure
@@ -31,6 +32,8 @@ struct LayerMesh {
   std::vector<Edge> edges;               ///< of one triangle alone, sorted by triangle
   std::vector<double> edge_distance;     ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
   std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
+  std::vector<int> nearest_edge;       ///< per vertex: the free edge that is nearest; -1: none within reach
+  std::vector<double> wall_slope;      ///< per vertex: of the wall there (EdgeLaw, leaning); 0: none within reach
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
 inline constexpr double kEdgeReach = 3.0;
@@ -79,7 +82,7 @@ struct LayerOperator {
   LayerMesh mesh;
   Elasticity elasticity;
   LayerLaw law;
-  EdgeLaw edge;
+  std::vector<double> edge_own;  ///< per vertex: EdgeLaw::own of the nearest free edge; empty: there is none
 
   SymmetricPattern pattern;
   std::array<SparseFactor, 2> factor;     ///< of S_0, S_1
@@ -93,8 +96,16 @@ struct LayerOperator {
     double stretch = 0.0;  ///< z per rho: e / (beta_0 B)
   };
   std::vector<Outflow> outflow;
-  std::vector<int> beside_outflow;  ///< their vertices and those that share an edge with them, ascending
-  std::vector<double> unheld;       ///< S_0 as if nothing were held, where there is outflow
+  /// A vertex of a free edge.
+  struct EdgeVertex {
+    int node = -1;
+    double share = 0.0;   ///< B_v
+    double gained = 0.0;  ///< what the diagonal of S_0 gains where q_0 is not held
+  };
+  std::vector<EdgeVertex> edge_vertices;
+  std::vector<int> beside_edges;  ///< these and the vertices that share an edge with them, ascending
+  std::vector<double> unheld;     ///< S_0 as if nothing were held, where there are free edges
+  EdgeLaw edge;                   ///< of a vertical wall
 };
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
 
@@ -108,6 +119,13 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
 /// Of w per pressure of the same foot, what flow has no part in [mm/MPa].
 double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot,
                       const Eigen::VectorXd* softening = nullptr);
+
+/// What drives free edges outwards: r = rho_v / B_v at their vertices, 0 at all others [MPa]. Where q_0 is not held: as
+/// if it were, which at a straight edge adds sqrt(beta_0) q_0.                                                  (L11)
+std::vector<double> edge_flow(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure);
+/// How far a free edge moves outwards at one of its vertices, under the pressure p there [mm], < 0: inwards.
+///     u = t (driven r + squeezed p)                                                                            (L11)
+double edge_move(const LayerOperator& layer, int vertex, const std::vector<double>& flow, double pressure);
 
 /// Fractions of a pressure p [MPa, per foot] at all vertices of the layer's mesh, with or without a foot [MPa]:
 ///     column 0: p itself, the mean around the vertex;  1: q_0;  1 + k: q_k, k = 1 .. powers,

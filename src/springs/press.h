@@ -7,7 +7,7 @@
 
 namespace dea {
 
-/// Gaps, pressures and their derivatives at a pose (S1-S5, E2-E4; law layer: L1-L10). Pure: a bed may be pressed by
+/// Gaps, pressures and their derivatives at a pose (S1-S5, E2-E4; law layer: L1-L11). Pure: a bed may be pressed by
 /// several callers at a time, each with a memory of its own. `memory`: where the search for pressures starts, and what
 /// the next may start from; nullptr: from nothing. The result does not depend on the number of threads. Stopped:
 /// options.stop was set; `memory` is as it was.

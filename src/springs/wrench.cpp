@@ -21,6 +21,9 @@ Vector12 by_both_motions(const Eigen::MatrixXd& rates, Eigen::Index spring, cons
   return kappa;
 }
 
+/// What the spring's force changes by, per pressure: how far a layer bulges out over its edge grows with the pressure.
+double rate_area(const SpringStates& s, std::size_t k) { return s.area[k] + 2 * s.beyond[k]; }
+
 std::vector<ContactWrench::Cross> cross_derivatives(const SpringStates& s, const Pose& source, const Pose& target) {
   std::vector<ContactWrench::Cross> all;
   for (const CrossRates& other : s.cross) {
@@ -28,7 +31,7 @@ std::vector<ContactWrench::Cross> cross_derivatives(const SpringStates& s, const
     for (int i = 0; i < s.size(); ++i)
       if (s.area[at(i)] > 0 && s.pressure[at(i)] > 0)
         all.back().derivative.noalias() +=
-            s.area[at(i)] * unit_wrench(s.foot[at(i)], s.direction[at(i)], source, target) *
+            rate_area(s, at(i)) * unit_wrench(s.foot[at(i)], s.direction[at(i)], source, target) *
             by_both_motions(other.rates, i, other.source_center, other.target_center).transpose();
   }
   return all;
@@ -49,16 +52,16 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
       const Vector12 w = unit_wrench(s.foot[k], s.direction[k], source, target);
       Vector12 kappa = unit_wrench(s.end[k], s.per_motion[k], source, target);
       if (s.rates.rows() > 0) kappa = by_both_motions(s.rates, i, source.center, target.center);
-      sum.wrench += s.pressure[k] * s.area[k] * w;
-      sum.derivative.noalias() += (s.area[k] * w) * kappa.transpose();
-      sum.normal_force += s.pressure[k] * s.area[k];
+      sum.wrench += s.force(k) * w;
+      sum.derivative.noalias() += (rate_area(s, k) * w) * kappa.transpose();
+      sum.normal_force += s.force(k);
     }
   });
   ContactWrench total;
   // Over the rim the covered area and the foot change too.
   for (const RimSpring& rim : s.rim) {
     const auto k = at(rim.spring);
-    const Vector3d force = s.pressure[k] * s.area[k] * s.direction[k];
+    const Vector3d force = s.force(k) * s.direction[k];
     const Vector12 w = unit_wrench(s.foot[k], s.direction[k], source, target);
     total.derivative +=
         w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);

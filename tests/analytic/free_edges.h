@@ -23,6 +23,8 @@ struct EdgedLayer {
   std::function<double(double)> thickness;
   bool axisymmetric = false;
   bool free_first = false, free_last = true;
+  /// Of the last end's wall: how much further the base reaches than the top, in thicknesses; < 0: an undercut.
+  double wall_slope = 0;
   int through = 10;  ///< elements through the thickness
 };
 
@@ -31,6 +33,7 @@ struct StripCompliance {
   Eigen::MatrixXd sinking;  ///< (i, j): mean sinking of strip i under unit pressure on strip j [mm/MPa]
   Eigen::VectorXd area;     ///< of the strips [mm^2]; of a ring over 2 pi; per length in plane strain
   Eigen::VectorXd middle;   ///< their x
+  Eigen::RowVectorXd way;  ///< of the last end's top: how far it moves outwards under unit pressure on strip j [mm/MPa]
 };
 
 /// Quadrilaterals with eight nodes, 3 x 3 Gauss points; one factorisation, a right side per strip.
@@ -59,7 +62,9 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
       for (int a = 0; a < 8; ++a) {
         const int i = 2 * ex + 1 + static_cast<int>(kNodeX[a]), j = 2 * ey + 1 + static_cast<int>(kNodeY[a]);
         node[a] = id(i, j);
-        X.row(a) << x_at(i), -layer.thickness(x_at(i)) * (1 - static_cast<double>(j) / (2 * n));
+        const double depth = layer.thickness(x_at(i)) * (1 - static_cast<double>(j) / (2 * n)),
+                     beside = std::max(0.0, 1 - (x_at(2 * m) - x_at(i)) / (3 * layer.thickness(x_at(2 * m))));
+        X.row(a) << x_at(i) + depth * layer.wall_slope * beside * beside, -depth;
         const bool mirror = (i == 0 && !layer.free_first) || (i == 2 * m && !layer.free_last);
         free[static_cast<std::size_t>(2 * node[a])] = j > 0 && !mirror;
         free[static_cast<std::size_t>(2 * node[a] + 1)] = j > 0;
@@ -109,6 +114,8 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
   for (std::size_t i = 0; i < free.size(); ++i)
     if (row[i] >= 0) right.row(row[i]) = force.row(static_cast<Eigen::Index>(i));
   const Eigen::MatrixXd u = solve_symmetric(K, right);
+  const int top = row[static_cast<std::size_t>(2 * id(2 * m, 2 * n))];
+  result.way = top < 0 ? Eigen::RowVectorXd::Zero(m) : Eigen::RowVectorXd(u.row(top));
   result.sinking = result.area.cwiseInverse().asDiagonal() * (right.transpose() * u);
   return result;
 }

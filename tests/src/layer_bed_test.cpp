@@ -14,6 +14,7 @@
 #include "src/springs/place.h"
 #include "src/springs/press.h"
 #include "src/springs/wrench.h"
+#include "tests/analytic/neo_hookean_layer.h"
 #include "tests/src/finite_differences.h"
 #include "tests/src/test_models.h"
 
@@ -175,6 +176,67 @@ TEST(LayerBed, FeetOnTheTarget) {
   EXPECT_GT(force[0], 20.0);
   EXPECT_NEAR(force[1] / force[0], 1, 0.02);
   EXPECT_NEAR(peak[1] / peak[0], 1, 0.02);
+}
+
+// A strip with a free end under a rigid flat, or a cylinder whose axis is over its middle, that reach over the end:
+// force per length against neo-Hookean elements, which know nothing of what bulges out but that it touches. Within 4%
+// for a tenth of the thickness.
+TEST(LayerBed, WhatBulgesOutOverAFreeEdgeIsPressedToo) {
+  const double t = 2, length = 8, width = 0.6;
+  for (const double nu : {0.3, 0.4, 0.45})
+    for (const double radius : {0.0, 240.0}) {
+      analytic::NeoHookeanLayer elements;
+      elements.nu = nu;
+      elements.thickness = t;
+      analytic::LayerGrid grid;
+      grid.fine_length = 0.75 * length;  // so the others are as long
+      grid.length = length;
+      grid.fine = 24;
+      grid.coarse = 8;
+      grid.through = 6;
+      const double sagitta = radius > 0 ? radius - std::sqrt(radius * radius - length * length) : 0.0;
+      const std::vector<double> depths = {sagitta + 0.05 * t, sagitta + 0.1 * t};
+      const auto exact = analytic::press_rigid(false, elements, radius > 0 ? 1 / radius : 0.0, depths, grid, 0.01);
+      JointModel model = empty_model();
+      const int cartilage = add_material(model, "cartilage", false, elements.E, nu),
+                base = add_material(model, "base", true), punch = add_material(model, "punch", true);
+      const int layer = add_layer(
+          model, "layer", 13, 1, 1, [=](double u, double v) { return Vector3d(length * u, width * v, -t); },
+          [=](double u, double v) { return Vector3d(length * u, width * v, 0); }, cartilage, base);
+      const int rigid = add_rigid_surface(
+          model, "punch", 60, 2,
+          [=](double v, double u) {
+            const double x = 1.3 * length * u, z = radius > 0 ? radius - std::sqrt(radius * radius - x * x) : 0.0;
+            return Vector3d(x, 1.4 * width * (v - 0.15), z);
+          },
+          punch);
+      add_contact(model, "press", layer, rigid);
+      for (int k = 0; k < 2; ++k) {  // the middle, and the slice's sides
+        FixedNodes plane;
+        plane.xyz[at(k)] = true;
+        for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+          const Vector3d& x = model.nodes[i];
+          const bool on = k == 0 ? std::abs(x.x()) < 1e-9 : std::abs(x.y()) < 1e-9 || std::abs(x.y() - width) < 1e-9;
+          if (on && x.z() <= 0 && x.z() >= -t) plane.nodes.push_back(static_cast<int>(i));
+        }
+        model.fixed_nodes.push_back(plane);
+      }
+      for (std::size_t d = 0; d < depths.size(); ++d) {
+        const SpringStates s = pressed(model, layer_settings(), depths[d]);
+        double force = 0, without = 0;
+        for (std::size_t k = 0; k < at(s.size()); ++k) {
+          force += s.force(k) * 2 / width;
+          without += s.pressure[k] * s.area[k] * 2 / width;
+        }
+        const std::string what =
+            fmt::format("nu {} radius {} depth {}: {} {} of {}", nu, radius, depths[d], force, without, exact[d].force);
+        EXPECT_NEAR(force / exact[d].force, 1, 0.04) << what;
+        if (radius == 0) {
+          EXPECT_LT(force - without, exact[d].force - without + 0.01 * exact[d].force) << what;
+          EXPECT_GT(force, 1.006 * without) << what;
+        }
+      }
+    }
 }
 
 TEST(LayerBed, WalledInLayerIsConfined) {

@@ -434,7 +434,7 @@ TEST(LayerFace, StepsAreKnown) {
   }
 }
 
-// The outermost facets fall away on two sides: told from 20 to 65 degrees.
+// The outermost facets fall away on two sides: told from 20 to 40 degrees, and taken for a wall of this slope from 40 on.
 TEST(LayerFace, BevelsAreKnown) {
   for (const double degrees : {10.0, 19.0, 21.0, 39.0, 41.0, 64.0, 66.0, 80.0}) {
     const double drop = std::tan(degrees * kPi / 180) * 0.2;
@@ -447,7 +447,16 @@ TEST(LayerFace, BevelsAreKnown) {
         });
     block.select([](const OuterFace& f) { return f.normal.z() > 0.9999; });
     const Layer layer = block.recognise();
-    EXPECT_NEAR(layer.face.bevelled, degrees > 20 && degrees < 65 ? 12 : 0, 1e-9) << degrees;
+    EXPECT_NEAR(layer.face.bevelled, degrees > 20 && degrees < 40 ? 12 : 0, 1e-9) << degrees;
+    int walls = 0;
+    for (const LayerFace::Edge& e : layer.face.edges) {
+      const bool at_end = std::abs(layer.face.mesh.normals[at(e.triangle)].z() - 1) < 1e-9 &&
+                          std::abs(std::abs(outward_at(layer.face.mesh, e.triangle, e.edge).x()) - 1) < 1e-9;
+      if (!at_end) continue;
+      ++walls;
+      EXPECT_NEAR(e.wall, degrees * kPi / 180, 1e-6) << degrees;
+    }
+    EXPECT_EQ(walls, degrees > 40 ? 12 : 0) << degrees;
   }
 }
 

@@ -104,12 +104,12 @@ TEST_P(EachLaw, ForcesAreTheIntegralOfThePressures) {
   Vector6 on_target = Vector6::Zero(), on_source = Vector6::Zero();
   double normal_force = 0.0;
   for (std::size_t i = 0; i < s.pressure.size(); ++i) {
-    const Vector3d f = s.pressure[i] * s.area[i] * s.direction[i];
+    const Vector3d f = s.force(i) * s.direction[i];  // with what bulges out over an edge
     on_target.head<3>() += f;
     on_target.tail<3>() += (s.foot[i] - poses[at(bed.target_body)].center).cross(f);
     on_source.head<3>() -= f;
     on_source.tail<3>() -= (s.foot[i] - poses[at(bed.source_body)].center).cross(f);
-    normal_force += s.pressure[i] * s.area[i];
+    normal_force += s.force(i);
   }
   ASSERT_GT(normal_force, 10.0);
   const double rounding = 1e-12 * normal_force, lever = joint.beds.length;
