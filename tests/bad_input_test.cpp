@@ -624,7 +624,7 @@ TEST(BadInput, DeformableBoneRunsWhenTakenAsRigid) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path / "model.feb") << deformable_bone(true);
   const test::Finished f =
-      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--json", "r.json"}, kLimit);
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--law", "linear", "--json", "r.json"}, kLimit);
   ASSERT_EQ(f.code, 0) << f.err;
   const auto last = nlohmann::json::parse(test::file_text(folder.path / "r.json"))["states"].back();
   EXPECT_EQ(last["outcome"], "Balanced");

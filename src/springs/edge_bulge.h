@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "src/springs/layer_bed.h"
+#include "src/springs/posed_bed.h"
 
 namespace dea {
 

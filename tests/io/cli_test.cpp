@@ -276,7 +276,7 @@ TEST_F(Cli, SettingsFileNamesOutputsAndTheCommandLineComesFirst) {
 
 TEST_F(Cli, ForceControlBalancesAndApartIsAnAnswer) {
   write_model("push.feb", -12.0);
-  const Finished f = dea({"run", "push.feb", "--states", "last", "--json", "-"});
+  const Finished f = dea({"run", "push.feb", "--law", "linear", "--states", "last", "--json", "-"});
   ASSERT_EQ(f.code, 0) << f.err;
   const Json last = Json::parse(f.out)["states"][0];
   EXPECT_EQ(last["outcome"], "Balanced");
