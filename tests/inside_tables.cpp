@@ -1,6 +1,9 @@
 // The tables of docs/layer_law.md, section 8, that compare the inside of layers with finite elements:
 //   inside_tables          prints them
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -79,6 +82,44 @@ void free_end() {
     }
 }
 
+/// Law less elements, in per cent of the greatest patch: the worst between places of a rim, of some loads.
+struct RimErrors {
+  static constexpr int kTo[] = {1, 2, 3, 4, 6, 8, 12, 16};  ///< patches
+  std::array<double, std::size(kTo)> worst = {};
+  void add(const std::array<double, kRimPatches>& law, const std::array<double, kRimPatches>& elements) {
+    const double most = *std::max_element(elements.begin(), elements.end());
+    std::size_t patch = 0;
+    for (std::size_t place = 0; place < worst.size(); ++place)
+      for (; patch < static_cast<std::size_t>(kTo[place]); ++patch) {
+        const double error = (law[patch] - elements[patch]) / most;
+        if (std::abs(error) > std::abs(worst[place])) worst[place] = error;
+      }
+  }
+};
+
+void rims(bool pressure, int row) {
+  std::printf(
+      "\n| %s, nu | wall | 0 to 0.25 t | to 0.5 | to 0.75 | to 1 | to 1.5 | to 2 | to 3 | to 4 |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n",
+      row > 0    ? "shear at 0.26 t"
+      : pressure ? "normal stress"
+                 : "shear");
+  for (const double nu : {0.3, 0.45, 0.49})
+    for (const double degrees : {45.0, 70.0, 90.0, 110.0}) {
+      RimErrors errors[2];
+      for (const RimLoad& load : kRimLoads) {
+        const RimCase in{nu, degrees, load.pressure, row};
+        const RimPatches law = rim_by_law(in), elements = rim_by_elements(in);
+        RimErrors& of = errors[load.up_to_edge ? 0 : 1];
+        pressure ? of.add(law.pressure, elements.pressure) : of.add(law.shear, elements.shear);
+      }
+      std::printf("| %.2f | %.0f |", nu, degrees);
+      for (std::size_t k = 0; k < errors[0].worst.size(); ++k)
+        std::printf(" %+.0f, %+.0f |", 100 * errors[0].worst[k], 100 * errors[1].worst[k]);
+      std::printf("\n");
+    }
+}
+
 }  // namespace
 }  // namespace dea::test
 
@@ -86,4 +127,7 @@ int main() {
   dea::test::round_bones();
   dea::test::slopes();
   dea::test::free_end();
+  dea::test::rims(false, 0);
+  dea::test::rims(true, 0);
+  dea::test::rims(false, 6);
 }

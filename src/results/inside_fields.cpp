@@ -298,16 +298,19 @@ std::vector<char> vertices_of_compartment(const Layer& layer, const BedLayer& be
   return among;
 }
 
-/// Where the greatest of these is. `among`: per vertex; empty: all.
-bool peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeasures>& bone,
-                         const std::vector<char>& among) {
+/// As in InsideEnds. `among`: per vertex; empty: all.
+double peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeasures>& bone,
+                           const std::vector<char>& among) {
   const LayerMesh& mesh = inside.layer->mesh;
   std::size_t peak = bone.size();
   for (std::size_t v = 0; v < bone.size(); ++v) {
     if (!(inside.value(static_cast<Eigen::Index>(v), 0) > 0) || (!among.empty() && !among[v])) continue;
     if (peak == bone.size() || bone[v].max_shear > bone[peak].max_shear) peak = v;
   }
-  return peak < bone.size() && mesh.edge_distance[peak] < kNearEdge * mesh.thickness[peak];
+  if (peak == bone.size()) return 0.0;
+  constexpr double kSlope100 = -0.17632698070846498;  // of a wall of 100 degrees
+  const double near_by = mesh.wall_slope[peak] < kSlope100 ? kNearOverhang : kNearEdge;
+  return mesh.edge_distance[peak] < near_by * mesh.thickness[peak] ? near_by : 0.0;
 }
 
 /// `pressed`: where the contact presses, as in LookedInto.

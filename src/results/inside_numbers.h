@@ -23,10 +23,13 @@ struct InsideStatistics {
 /// Where a layer is bonded, and where it is pressed.
 struct InsideEnds {
   InsideStatistics bone, surface;
-  /// The greatest shear at the bone lies within kNearEdge thicknesses of a free edge, where the law knows least.
-  bool peak_near_free_edge = false;
+  /// The greatest shear at the bone lies within so many thicknesses of a free edge, where the law knows least; 0: not.
+  double peak_near_free_edge = 0.0;
 };
-inline constexpr double kNearEdge = 2.0;
+/// Further from a free edge than so many thicknesses shear at the bone is within 12% of finite elements, as means over
+/// a quarter thickness. Where the side wall overhangs by more than ten degrees, it is within 19% as far as
+/// kNearOverhang, within 6% beyond. docs/layer_law.md, 8.
+inline constexpr double kNearEdge = 1.0, kNearOverhang = 3.0;
 
 /// By their names, in the order in which they are shown.
 struct InsideEnd {

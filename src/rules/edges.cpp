@@ -145,11 +145,12 @@ Findings shear_at_edge(const JointModel& model, const Joint& joint, const Solved
   for (const JudgedContact& c : judged_contacts(joint, result))
     for (const int side : {0, 1}) {
       const std::optional<InsideEnds>& inside = c.statistics.inside[side];
-      if (!inside || !inside->peak_near_free_edge) continue;
+      if (!inside || !(inside->peak_near_free_edge > 0)) continue;
       const Layer& layer = side == 0 ? c.pair.source_layer() : c.pair.target_layer();
       Subject subject = c.subject(model, layer);
       subject.body = joint.bodies[at(layer.body)].name;
-      found.push_back({"shear-at-edge", subject, {{"near", kNearEdge}}});
+      const double near_by = inside->peak_near_free_edge;
+      found.push_back({"shear-at-edge", subject, {{"near", near_by}}, near_by > kNearEdge ? 1 : 0});
     }
   return found;
 }

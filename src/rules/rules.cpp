@@ -285,11 +285,17 @@ std::vector<Rule> all_rules() {
                  "nearest point of the bone, for their normals meet no bone ({far} of them farther than two "
                  "thicknesses from its rim: does its bone have a hole, or end too soon?{shows_where})"}},
                nearest_thickness),
-      of_result("shear-at-edge", "Do not quote this peak; those farther from the edge hold.",
-                {{W,
-                  "contact \"{contact}\": at time {time} the greatest shear inside the cartilage of {body} is within "
-                  "{near:g} thicknesses of its free edge, where it may be a third off (docs/inside.md)"}},
-                shear_at_edge),
+      of_result(
+          "shear-at-edge", "Do not quote this peak; those farther from the edge hold.",
+          {{W,
+            "contact \"{contact}\": at time {time} the greatest shear inside the cartilage of {body} is within "
+            "{near:g} {near?thickness|thicknesses} of its free edge, where it may be half too low at a steep side "
+            "wall, a quarter too high at a bevel (docs/inside.md)"},
+           {W,
+            "contact \"{contact}\": at time {time} the greatest shear inside the cartilage of {body} is within "
+            "{near:g} {near?thickness|thicknesses} of its free edge, whose side wall overhangs: there it may be a "
+            "fifth off, and right beside the edge two thirds too low (docs/inside.md)"}},
+          shear_at_edge),
       of_result("unstable-balance", "Look whether the joint is held as in the body: ligaments, other contacts.",
                 {{W, "time {time}: {what}: {detail}"},
                  {W, "times {from} to {time} ({states} states): {what}; at time {time}: {detail}"}},

@@ -1,5 +1,5 @@
-// tests/src/inside_cases.h – layers on round and sloping bones and with a free end, by finite elements and by the law:
-// for the test of the inside and for the tables of docs/layer_law.md, section 8.
+// tests/src/inside_cases.h – layers on round and sloping bones, with a free end and with rims that lean, by finite
+// elements and by the law: for the test of the inside and for the tables of docs/layer_law.md, section 8.
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "src/base/numbers.h"
 #include "src/springs/layer_inside.h"
 #include "tests/analytic/inside_elements.h"
 #include "tests/analytic/linear_systems.h"
@@ -137,5 +138,102 @@ inline ElementCase round_case(double nu, double curvature, bool sphere, double w
   in.to = wide + 1.5;
   return in;
 }
+
+/// A strip of t = 1 with a free end whose wall leans (EdgedLayer::wall_slope), in plane strain under a given pressure.
+struct RimCase {
+  double nu = 0.45, degrees = 90;              ///< by which the surface turns down into the wall
+  std::function<double(double)> load;          ///< pressure, of the distance from the end of the top
+  int row = 0;                                 ///< of the elements' nodes, from the bone
+  int along = 120, through = 14, facets = 54;  ///< elements, finer towards the end and the bone; of the law
+  double slope() const { return 1 / std::tan(degrees * kPi / 180); }
+  double height() const { return std::pow(static_cast<double>(row) / through, 1.6); }
+  double end() const;  ///< of the top or of what is at this height, whichever is further in
+};
+inline constexpr double kRimLength = 9;
+inline constexpr int kRimPatches = 16;
+inline constexpr double kRimPatch = 0.25;
+inline double RimCase::end() const { return kRimLength + std::min(0.0, (1 - height()) * slope()); }
+/// Means over patches of t/4 one behind the other, from the end on. The corner at the bone is singular at a point;
+/// means over patches are not.
+struct RimPatches {
+  std::array<double, kRimPatches> shear = {}, pressure = {};
+  /// What a stretch adds, `shear` and `pressure` even on it. d: from the end, of its nearer side.
+  void add(double d, double length, double of_shear, double of_pressure) {
+    for (int k = 0; k < kRimPatches; ++k) {
+      const double common = std::min(d + length, (k + 1) * kRimPatch) - std::max(d, k * kRimPatch);
+      if (common <= 0) continue;
+      shear[static_cast<std::size_t>(k)] += common / kRimPatch * of_shear;
+      pressure[static_cast<std::size_t>(k)] += common / kRimPatch * of_pressure;
+    }
+  }
+  double most_shear() const { return *std::max_element(shear.begin(), shear.end()); }
+};
+
+inline RimPatches rim_by_elements(const RimCase& in) {
+  const auto top = [](double s) { return kRimLength * (1 - std::pow(1 - s / kRimLength, 1.6)); };
+  analytic::InsideElements elements;
+  elements.nu = in.nu;
+  elements.position = [=, slope = in.slope()](double s, double zeta) -> Eigen::Vector2d {
+    const double x = top(s), depth = 1 - std::pow(zeta, 1.6), beside = std::max(0.0, 1 - (kRimLength - x) / 3);
+    return {x + depth * slope * beside * beside, -depth};
+  };
+  elements.pressure = [=](double s) { return in.load(kRimLength - top(s)); };
+  elements.length = kRimLength;
+  elements.mirror_last = false;
+  elements.along = in.along;
+  elements.through = in.through;
+  const analytic::SolvedElements solved(elements);
+  const double zeta = static_cast<double>(in.row) / in.through;
+  RimPatches patches;
+  for (int c = 0; c < in.along; ++c) {
+    const double from = elements.position(kRimLength * c / in.along, zeta).x(),
+                 to = elements.position(kRimLength * (c + 1) / in.along, zeta).x();
+    const analytic::StressStrain e = solved.mean(c, in.row);
+    patches.add(in.end() - to, to - from, eigen_measures(e.stress, e.strain).max_shear, -e.stress(2, 2));
+  }
+  return patches;
+}
+
+/// Linear between the vertices, as facets' means are.
+inline RimPatches rim_by_law(const RimCase& in) {
+  const double facet = kRimLength / in.facets;
+  const SurfaceMesh surface = rectangle(in.facets, 1, kRimLength, facet);
+  LayerFace face = layer_face(surface, even(1),
+                              [](const Vector3d& x) { return x.x() > 0.9999 * kRimLength ? Rim::Free : Rim::Wall; });
+  for (LayerFace::Edge& edge : face.edges) edge.wall = in.degrees * kPi / 180;
+  const FootedLayer layer(make_layer_mesh(face), {1.0, in.nu}, LayerFit::TwoTerms);
+  const InsideShape shape = inside_shape(layer.layer);
+  const DepthLaws laws = make_depth_laws(in.nu);
+  const InsideLayer inside =
+      look_inside(layer.layer, shape, laws, layer.feet,
+                  at_feet(layer.surface(), [&](const Vector3d& x) { return in.load(kRimLength - x.x()); }));
+  const std::vector<InsideState> states = states_at_height(inside, in.height(), StrainMeasure::Small);
+  std::vector<std::size_t> along(static_cast<std::size_t>(in.facets) + 1);
+  for (std::size_t v = 0; v < states.size(); ++v)
+    if (layer.surface().vertices[v].y() < 1e-9)
+      along[static_cast<std::size_t>(std::lround(layer.surface().vertices[v].x() / facet))] = v;
+  constexpr int kSteps = 8;
+  RimPatches patches;
+  for (std::size_t i = 0; i + 1 < along.size(); ++i)
+    for (int k = 0; k < kSteps; ++k) {
+      const InsideState &a = states[along[i]], &b = states[along[i + 1]];
+      const double share = (k + 0.5) / kSteps, to = facet * (static_cast<double>(i) + (k + 1.0) / kSteps);
+      patches.add(in.end() - to, facet / kSteps, (1 - share) * measures(a).max_shear + share * measures(b).max_shear,
+                  (1 - share) * a.pressure + share * b.pressure);
+    }
+  return patches;
+}
+
+/// Pressed up to the edge, and a thickness inside of it.
+struct RimLoad {
+  const char* name;
+  bool up_to_edge;
+  double (*pressure)(double d);
+};
+inline constexpr RimLoad kRimLoads[] = {
+    {"up to the edge, over 5 t", true, [](double d) { return std::max(0.0, 1 - d * d / 25); }},
+    {"up to the edge, over 2 t", true, [](double d) { return std::max(0.0, 1 - d * d / 4); }},
+    {"from t on, a bump", false, [](double d) { return std::max(0.0, 1 - (d - 3) * (d - 3) / 4); }},
+    {"from t on, over 4 t", false, [](double d) { return d > 1 ? std::max(0.0, 1 - (d - 1) * (d - 1) / 16) : 0.0; }}};
 
 }  // namespace dea::test

@@ -70,16 +70,24 @@ TEST(InsideFields, ConfinedLayer) {
   EXPECT_GE(state.statistics[0].inside[0]->bone.max_shear.peak, shear * 0.999);
 }
 
-// A plate over the whole layer has its greatest shear at the free edge; a ball in its middle has not.
+// A plate over the whole layer has its greatest shear at the free edge, which reaches further where the wall overhangs;
+// a ball in its middle has not.
 TEST(InsideFields, PeakNearAFreeEdge) {
-  EXPECT_TRUE(last_state(analyse(wide_layer(0.1), looking_inside())).statistics[0].inside[0]->peak_near_free_edge);
+  const auto near_edge = [](const JointModel& model) {
+    return last_state(analyse(model, looking_inside())).statistics[0].inside[0]->peak_near_free_edge;
+  };
+  EXPECT_EQ(near_edge(wide_layer(0.1)), kNearEdge);
+  JointModel overhanging = wide_layer(0.1);
+  for (Vector3d& x : overhanging.nodes)
+    if (x.z() < 0) x.head<2>() *= 1 + 0.5 * x.z() / 12;  // of the layer, half width 12: slope -0.5
+  EXPECT_EQ(near_edge(overhanging), kNearOverhang);
   JointModel model = flat_plates(24, 24, 1, 100.0);
   for (std::size_t i = model.nodes.size() - 25 * 25; i < model.nodes.size(); ++i) {
     Vector3d& x = model.nodes[i];
     x.z() = 0.01 * (x.x() * x.x() + x.y() * x.y());  // R = 50
   }
   prescribe(model, 2, 2, -0.15);
-  EXPECT_FALSE(last_state(analyse(model, looking_inside())).statistics[0].inside[0]->peak_near_free_edge);
+  EXPECT_EQ(near_edge(model), 0);
 }
 
 // Nothing is looked into unless it is asked for.

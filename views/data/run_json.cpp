@@ -61,7 +61,7 @@ Json inside_json(const std::optional<InsideEnds>& ends) {
   for (const InsideEnd& end : kInsideEnds)
     for (const InsideMeasure& measure : kInsideMeasures)
       j[end.name][measure.name] = numbers_json((*ends).*end.value.*measure.value, kInsideNumbers);
-  j["peak_near_free_edge"] = ends->peak_near_free_edge;
+  j["peak_near_free_edge"] = ends->peak_near_free_edge > 0;
   return j;
 }
 
