@@ -126,8 +126,9 @@ std::vector<double> edge_moves(const LayerOperator& layer, const std::vector<Edg
     const Vector3d& x = layer.mesh.mesh.vertices[at(v.node)];
     double weights = 0.0, pressure = 0.0, judges = 0.0, goes_on = 0.0;
     for (const EdgeSpring& spring : springs) {
-      const double near_by = 1 - (spring.where - x).norm() / spring.reach;
-      if (!(near_by > 0)) continue;
+      const double away2 = (spring.where - x).squaredNorm();
+      if (away2 >= spring.reach * spring.reach) continue;
+      const double near_by = 1 - std::sqrt(away2) / spring.reach;
       weights += near_by * spring.weight;
       pressure += near_by * spring.weight * spring.pressure;
       judges += near_by * spring.judges;
