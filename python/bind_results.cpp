@@ -240,7 +240,8 @@ void bind_springs(py::module_& m) {
       m, "Springs",
       "Springs of a contact at one pose, one entry each: current configuration, global frame, the model's units.");
   add_column(springs, "pressure", &SpringStates::pressure, "(springs,) >= 0.");
-  add_column(springs, "area", &SpringStates::area, "(springs,) that the pressure acts on.");
+  add_column(springs, "area", &SpringStates::carrying,
+             "(springs,) that the pressure acts on, with what bulges out over a free edge.");
   add_column(springs, "strain", &SpringStates::strain, "(springs,) the larger of both layers' strains.");
   add_column(springs, "strain_source", &SpringStates::strain_source, "(springs,) of the source's layer.");
   add_column(springs, "strain_target", &SpringStates::strain_target, "(springs,) of the target's layer.");

@@ -197,7 +197,7 @@ std::vector<double> press_bulges(const PosedBed& posed, const std::array<EdgeFlo
       const Vector3d normal = posed.target.rotation *
                               MeshPlace{s.triangle[k], s.end_weights[k]}.of(target, target.vertex_normals).normalized();
       const double opening = source ? -way.dot(normal) / s.direction[k].dot(normal) : way.dot(s.direction[k]);
-      s.beyond[k] = std::max(kMostLost * s.area[k], s.beyond[k] + s.area[k] * stretch);
+      s.carrying[k] = std::max((1 + kMostLost) * s.area[k], s.carrying[k] + s.area[k] * stretch);
       more[k] -= opening / std::max(s.overlap[k], kLeastOverlap * s.pressure[k] * compliance(k));
     }
   }

@@ -15,10 +15,11 @@ using EdgeFlow = std::function<const std::vector<double>&()>;
 /// undeformed one (L9); beside a free edge, which moves outwards by u, it may not: what lies d from the edge has moved
 /// by about u exp(-d/(0.6 t)). So a spring there presses more area than it stands on, and it meets the partner
 /// elsewhere:
-///     beyond = area u/(0.6 t) exp(-d/(0.6 t)),      p -> p (1 - opening u exp(-d/(0.6 t)) / overlap)          (L11)
+///     carrying = area (1 + u/(0.6 t) exp(-d/(0.6 t))),      p -> p (1 - opening u exp(-d/(0.6 t)) / overlap) (L11)
 /// opening: of the gap per way outwards, between the planes of both surfaces; the overlap is taken for a quarter of
 /// p t/E at least. Where the partner does not go on over the edge there is neither. Sets
-/// SpringStates::beyond and changes pressures; returns by what factors. `flow`: of the source's layer, of the target's.
+/// SpringStates::carrying and changes pressures; returns by what factors. `flow`: of the source's layer, of the
+/// target's.
 std::vector<double> press_bulges(const PosedBed& posed, const std::array<EdgeFlow, 2>& flow, SpringStates& states);
 
 }  // namespace dea

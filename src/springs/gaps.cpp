@@ -183,7 +183,7 @@ SpringStates empty_states(std::size_t n) {
   SpringStates s;
   const auto resize = [n](auto&... each) { (each.resize(n), ...); };
   resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
-         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.beyond,
+         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.carrying,
          s.too_deep);
   s.per_motion.resize(n, Vector3d::Zero());
   return s;
@@ -259,7 +259,7 @@ void finish_gap(const SpringBed& bed, const RelativePose& relative, const Pose& 
     s.coverage[k] = 0.0;
     return;
   }
-  s.area[k] = s.coverage[k] * bed.springs.area[k];
+  s.area[k] = s.carrying[k] = s.coverage[k] * bed.springs.area[k];
   s.overlap[k] = std::max(0.0, -s.gap[k]);
 }
 

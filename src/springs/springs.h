@@ -85,7 +85,7 @@ struct SpringStates {
   std::vector<double> per_overlap;   ///< dp/dDelta
   std::vector<Vector3d> per_motion;  ///< kappa: dp = kappa . (delta_target - delta_source) at q  (E2-E4)
   std::vector<double> area;          ///< coverage * area: what the pressure acts on
-  std::vector<double> beyond;        ///< by how much that grows where a layer bulges out over its free edge (L11)
+  std::vector<double> carrying;      ///< area, and what bulges out over a layer's free edge and is pressed, too (L11)
   std::vector<char> too_deep;        ///< the target lies deeper under the foot than both layers are thick
   std::vector<RimSpring> rim;        ///< the springs that are covered in part and loaded
   /// Law::Layer, else empty: dp of small motions of the target relative to the source, translation and rotation about
@@ -96,7 +96,7 @@ struct SpringStates {
   bool complementary = true;      ///< Law::Layer: (L4) was solved to its tolerance
   int size() const { return static_cast<int>(gap.size()); }
   /// The spring's force [N].
-  double force(std::size_t k) const { return pressure[k] * (area[k] + beyond[k]); }
+  double force(std::size_t k) const { return pressure[k] * carrying[k]; }
 };
 
 /// Springs whose pressure means nothing.

@@ -22,7 +22,7 @@ Vector12 by_both_motions(const Eigen::MatrixXd& rates, Eigen::Index spring, cons
 }
 
 /// What the spring's force changes by, per pressure: how far a layer bulges out over its edge grows with the pressure.
-double rate_area(const SpringStates& s, std::size_t k) { return s.area[k] + 2 * s.beyond[k]; }
+double rate_area(const SpringStates& s, std::size_t k) { return 2 * s.carrying[k] - s.area[k]; }
 
 std::vector<ContactWrench::Cross> cross_derivatives(const SpringStates& s, const Pose& source, const Pose& target) {
   std::vector<ContactWrench::Cross> all;

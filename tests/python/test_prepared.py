@@ -148,7 +148,7 @@ def test_the_derivative_is_that_of_differences(hip, law, tolerance):
 
 
 # docs/python.md: how far off each block is that takes what lies under a spring as fixed, of its norm
-@pytest.mark.parametrize("refine, most", [(1, [0.004, 0.012, 0.004, 0.042]), (2, [0.004, 0.008, 0.005, 0.019])])
+@pytest.mark.parametrize("refine, most", [(1, [0.005, 0.018, 0.013, 0.115]), (2, [0.006, 0.008, 0.024, 0.026])])
 def test_stiffness_is_as_far_off_as_is_said(hip, refine, most):
     joint = febiodea.prepare(febiodea.recognise(hip.model, refine=refine))
     state = joint.solve()

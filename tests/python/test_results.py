@@ -48,9 +48,10 @@ def test_facets_and_nodes(hip_result):
         corners = model.points[facets.nodes].mean(axis=1)
         assert np.abs(corners - facets.center).max() < math.sqrt(facets.area.max())
         assert nodes.triangles.max() == len(nodes) - 1
-    # whole facets carry the whole force: sum p A of facets against the springs', up to the facets' turning
+    # whole facets carry the whole force: sum p A of facets against the springs', up to the facets' turning and to what bulges
+    # out over the rim, which no facet has (docs/layer_law.md, L11)
     normal = contact.springs.pressure @ contact.springs.area
-    assert contact.facets.pressure @ contact.facets.area == pytest.approx(normal, rel=1e-3)
+    assert contact.facets.pressure @ contact.facets.area == pytest.approx(normal, rel=6e-3)
     assert contact.statistics["facet_peak_pressure"] == contact.facets.pressure.max()
     assert state.displacements.shape == model.points.shape
     headline = contact.headline
