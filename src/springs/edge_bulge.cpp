@@ -58,6 +58,10 @@ struct PressedSide {
     const Vector3d x = point(k), &a = mesh.corner(found.triangle, 0), &b = mesh.corner(found.triangle, 1),
                    &c = mesh.corner(found.triangle, 2);
     const Vector3d n = (b - a).cross(c - a);
+    if (!(n.squaredNorm() > 0)) {
+      found.weights = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+      return found;
+    }
     found.weights[1] = (x - a).cross(c - a).dot(n) / n.squaredNorm();
     found.weights[2] = (b - a).cross(x - a).dot(n) / n.squaredNorm();
     found.weights[0] = 1 - found.weights[1] - found.weights[2];
@@ -84,6 +88,16 @@ double goes_on_over(const PosedBed& posed, const LayerMesh& layer, int triangle,
   return count > 0 ? covered / count : kNaN;
 }
 
+/// Does the surface end at this triangle, other than in a plane of symmetry?
+bool at_end(const SurfaceMesh& mesh, int triangle) {
+  const auto& corners = mesh.triangles[at(triangle)];
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (mesh.neighbours[at(triangle)][k] >= 0) continue;
+    if (mesh.planes.empty() || (mesh.planes[at(corners[k])] & mesh.planes[at(corners[(k + 1) % 3])]) == 0) return true;
+  }
+  return false;
+}
+
 /// Springs beside the layer's free edges.
 std::vector<EdgeSpring> edge_springs(const PressedSide& side) {
   constexpr double kWindow = 0.5, kApart = 0.1;  // thicknesses; what is further apart has no part in the contact
@@ -108,8 +122,7 @@ std::vector<EdgeSpring> edge_springs(const PressedSide& side) {
       spring.goes_on = goes_on_over(side.posed, layer, place.triangle, s.gap[k]);
       spring.judges = std::isnan(spring.goes_on) ? 0.0 : partakes;
     } else {
-      const auto& beside = source.neighbours[at(bed.springs.surface_triangle[k])];
-      spring.goes_on = *std::min_element(beside.begin(), beside.end()) >= 0 ? 1.0 : 0.0;
+      spring.goes_on = at_end(source, bed.springs.surface_triangle[k]) ? 0.0 : 1.0;
       spring.judges = partakes * std::max(0.0, 1 - distance / width);
     }
     found.push_back(spring);
