@@ -20,7 +20,7 @@ struct EdgeSpring {
   double weight = 0.0;    ///< of its pressure among others
   double pressure = 0.0;  ///< 0: none
   double judges = 0.0;    ///< weight of the next
-  double goes_on = 0.0;   ///< how much of it the partner does, over the edge: 0 to 1
+  double goes_on = 0.0;   ///< how much the partner presses on, over the edge: 0 to 1
 };
 
 /// A place on a layer's mesh.
@@ -88,14 +88,21 @@ double goes_on_over(const PosedBed& posed, const LayerMesh& layer, int triangle,
   return count > 0 ? covered / count : kNaN;
 }
 
-/// Does the surface end at this triangle, other than in a plane of symmetry?
-bool at_end(const SurfaceMesh& mesh, int triangle) {
-  const auto& corners = mesh.triangles[at(triangle)];
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (mesh.neighbours[at(triangle)][k] >= 0) continue;
-    if (mesh.planes.empty() || (mesh.planes[at(corners[k])] & mesh.planes[at(corners[(k + 1) % 3])]) == 0) return true;
-  }
-  return false;
+/// Per vertex: the surface ends there, other than in a plane of symmetry.
+std::vector<char> ends_of(const SurfaceMesh& mesh) {
+  std::vector<char> ends(mesh.vertices.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      const int planes = mesh.planes.empty() ? 0 : mesh.planes[at(a)] & mesh.planes[at(b)];
+      const Vector3d outward = outward_at(mesh, t, k);
+      bool mirrored = false;
+      for (int axis = 0; axis < 3; ++axis)
+        mirrored = mirrored || ((planes >> axis & 1) != 0 && std::abs(outward[axis]) > kIntoPlane);
+      if (!mirrored) ends[at(a)] = ends[at(b)] = 1;
+    }
+  return ends;
 }
 
 /// Springs beside the layer's free edges.
@@ -105,25 +112,29 @@ std::vector<EdgeSpring> edge_springs(const PressedSide& side) {
   const SpringStates& s = side.states;
   const LayerMesh& layer = side.layer.mesh;
   const SurfaceMesh& source = bed.pair.source_layer().spring_surface();
+  const std::vector<char> ends = side.source ? std::vector<char>() : ends_of(source);
   std::vector<EdgeSpring> found;
   for (std::size_t k = 0; k < at(s.size()); ++k) {
-    const double reach = kApart * (s.t_source[k] + s.t_target[k]);
-    if (!(s.area[k] > 0) || !(s.gap[k] < reach)) continue;
+    if (!(s.area[k] > 0)) continue;
     const MeshPlace place = side.place(k);
     const double distance = place.of(layer.mesh, layer.edge_distance),
                  width = 1.1 * std::sqrt(2 * bed.springs.area[k]),  // of a foot, and a little more
         window = std::max(kWindow * place.of(layer.mesh, layer.thickness), width);
     if (distance >= window) continue;
     EdgeSpring spring{side.point(k), 2 * window};
-    const double partakes = std::min(1.0, 1 - s.gap[k] / reach);
+    const double partakes =
+        std::clamp(1 - s.gap[k] / std::max(kApart * (s.t_source[k] + s.t_target[k]), 1e-300), 0.0, 1.0);
     spring.weight = partakes * s.area[k] * (1 - distance / window);
     spring.pressure = s.pressure[k];
     if (side.source) {
-      spring.goes_on = goes_on_over(side.posed, layer, place.triangle, s.gap[k]);
-      spring.judges = std::isnan(spring.goes_on) ? 0.0 : partakes;
+      const double covered = partakes > 0 ? goes_on_over(side.posed, layer, place.triangle, s.gap[k]) : 0.0;
+      spring.judges = std::isnan(covered) ? 0.0 : s.coverage[k];
+      spring.goes_on = std::isnan(covered) ? 0.0 : partakes * covered;
     } else {
-      spring.goes_on = at_end(source, bed.springs.surface_triangle[k]) ? 0.0 : 1.0;
-      spring.judges = partakes * std::max(0.0, 1 - distance / width);
+      const auto& corners = source.triangles[at(bed.springs.surface_triangle[k])];
+      const auto ends_at = [&](int v) { return ends[at(v)] != 0; };
+      spring.goes_on = std::any_of(corners.begin(), corners.end(), ends_at) ? 0.0 : partakes;
+      spring.judges = s.coverage[k] * std::max(0.0, 1 - distance / width);
     }
     found.push_back(spring);
   }
@@ -145,16 +156,22 @@ std::vector<double> edge_moves(const LayerOperator& layer, const std::vector<Edg
       weights += near_by * spring.weight;
       pressure += near_by * spring.weight * spring.pressure;
       judges += near_by * spring.judges;
-      if (spring.judges > 0) goes_on += near_by * spring.judges * spring.goes_on;
+      goes_on += near_by * spring.judges * spring.goes_on;
     }
     if (goes_on > 0) moves[at(v.node)] = goes_on / judges * edge_move(layer, v.node, flow(), pressure / weights);
   }
   return moves;
 }
 
+/// How much is left of the edge's move so far from it.
+double share_left(double distance, double thickness) {
+  return std::max(0.0, std::exp(-distance / (kDecay * thickness)) - std::exp(-kFar / kDecay));
+}
+
 /// How the surface has moved, per vertex of the layer's mesh.
 struct SurfaceMoves {
-  std::vector<Vector3d> way;  ///< reference frame
+  std::vector<double> move;       ///< of the nearest edge
+  std::vector<Vector3d> outward;  ///< there; reference frame
   std::vector<double> stretch;
 };
 SurfaceMoves surface_moves(const LayerMesh& layer, const std::vector<double>& moves) {
@@ -164,19 +181,19 @@ SurfaceMoves surface_moves(const LayerMesh& layer, const std::vector<double>& mo
     const Vector3d along = layer.mesh.vertices[at(edge.b)] - layer.mesh.vertices[at(edge.a)];
     for (const int v : {edge.a, edge.b}) outward[at(v)] += along.cross(layer.mesh.normals[at(edge.triangle)]);
   }
-  SurfaceMoves found{std::vector<Vector3d>(moves.size(), Vector3d::Zero()), std::vector<double>(moves.size(), 0.0)};
+  const std::vector<double> none(moves.size(), 0.0);
+  SurfaceMoves found{none, std::vector<Vector3d>(moves.size(), Vector3d::Zero()), none};
   for (std::size_t v = 0; v < moves.size(); ++v) {
     const int near_by = layer.nearest_edge[v];
-    const double distance = layer.edge_distance[v], decay = kDecay * layer.thickness[v];
-    if (near_by < 0 || !(distance < kFar / kDecay * decay)) continue;
+    if (near_by < 0 || !(layer.thickness[v] > 0)) continue;
     const LayerMesh::Edge& edge = layer.edges[at(near_by)];
     const Vector3d &a = layer.mesh.vertices[at(edge.a)], &b = layer.mesh.vertices[at(edge.b)];
     const double along =
         std::clamp((layer.mesh.vertices[v] - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
-    const double move = (1 - along) * moves[at(edge.a)] + along * moves[at(edge.b)],
-                 here = move * (std::exp(-distance / decay) - std::exp(-kFar / kDecay));
-    found.way[v] = here * ((1 - along) * outward[at(edge.a)].normalized() + along * outward[at(edge.b)].normalized());
-    found.stretch[v] = here / decay;
+    found.move[v] = (1 - along) * moves[at(edge.a)] + along * moves[at(edge.b)];
+    found.outward[v] = (1 - along) * outward[at(edge.a)].normalized() + along * outward[at(edge.b)].normalized();
+    found.stretch[v] =
+        found.move[v] * share_left(layer.edge_distance[v], layer.thickness[v]) / (kDecay * layer.thickness[v]);
   }
   return found;
 }
@@ -204,14 +221,21 @@ std::vector<double> press_bulges(const PosedBed& posed, const std::array<EdgeFlo
     for (std::size_t k = 0; k < more.size(); ++k) {
       if (!(s.pressure[k] > 0)) continue;
       const MeshPlace place = side.place(k);
-      const double stretch = place.of(layer->mesh.mesh, surface.stretch);
-      if (stretch == 0) continue;
-      const Vector3d way = (source ? posed.source : posed.target).rotation * place.of(layer->mesh.mesh, surface.way);
+      const SurfaceMesh& mesh = layer->mesh.mesh;
+      const double thickness = place.of(mesh, layer->mesh.thickness), move = place.of(mesh, surface.move);
+      if (move == 0 || !(thickness > 0)) continue;
+      const double left = share_left(place.of(mesh, layer->mesh.edge_distance), thickness),
+                   // over a triangle: three quarters of its middle, a quarter of its corners
+          stretch = 0.75 * move * left / (kDecay * thickness) + 0.25 * place.of(mesh, surface.stretch);
+      const Vector3d way =
+          (source ? posed.source : posed.target).rotation * (move * left * place.of(mesh, surface.outward));
       const Vector3d normal = posed.target.rotation *
                               MeshPlace{s.triangle[k], s.end_weights[k]}.of(target, target.vertex_normals).normalized();
       const double opening = source ? -way.dot(normal) / s.direction[k].dot(normal) : way.dot(s.direction[k]);
-      s.carrying[k] = std::max((1 + kMostLost) * s.area[k], s.carrying[k] + s.area[k] * stretch);
-      more[k] -= opening / std::max(s.overlap[k], kLeastOverlap * s.pressure[k] * compliance(k));
+      const double overlap = std::max(s.overlap[k], kLeastOverlap * s.pressure[k] * compliance(k));
+      s.carrying[k] =
+          std::clamp(s.carrying[k] + s.area[k] * stretch, (1 + kMostLost) * s.area[k], (1 + kMostMore) * s.area[k]);
+      if (overlap > 0 && std::isfinite(opening)) more[k] -= opening / overlap;
     }
   }
   for (std::size_t k = 0; k < more.size(); ++k) {

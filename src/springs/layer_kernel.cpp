@@ -122,8 +122,7 @@ EdgeLaw edge_law(const Elasticity& layer, LayerFit fit) {
 }
 
 EdgeLaw leaning(const EdgeLaw& vertical, double slope) {
-  constexpr double kSlope40 = 1.1917535925942099, kSlope120 = -0.57735026918962576;
-  slope = std::clamp(slope, kSlope120, kSlope40);
+  slope = std::clamp(slope, kMostUndercut, kMostBevel);
   // a bevel props the edge up, at most as a layer that goes on does; an undercut lip bends
   const double bevel = std::max(0.0, slope), undercut = std::max(0.0, -slope);
   EdgeLaw edge = vertical;

@@ -57,6 +57,8 @@ struct EdgeLaw {
 inline constexpr double kEdgeDecay = 4.5;
 /// Of a vertical wall.
 EdgeLaw edge_law(const Elasticity& layer, LayerFit fit);
+/// Slopes of walls of 120 and 40 degrees.
+inline constexpr double kMostUndercut = -0.57735026918962576, kMostBevel = 1.1917535925942099;
 /// Of a wall that leans. `slope`: the cotangent of the angle by which the surface turns down into it; > 0: a bevel,
 /// < 0: an undercut. Beyond those of 40 and 120 degrees: as there.
 EdgeLaw leaning(const EdgeLaw& vertical, double slope);

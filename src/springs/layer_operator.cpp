@@ -179,7 +179,7 @@ std::vector<double> edge_slopes(const LayerMesh& layer, const FreeRim& rim) {
     double sum = 0.0, weights = 0.0;
     walk_along(layer, rim, v, reach, [&](const LayerMesh::Edge& edge, int, double way) {
       const double weight = edge.length * std::max(1e-3, 1 - (way - 0.5 * edge.length) / std::max(reach, edge.length));
-      sum += weight / std::tan(edge.wall);
+      sum += weight * std::clamp(1 / std::tan(edge.wall), kMostUndercut, kMostBevel);
       weights += weight;
     });
     if (weights > 0) slope[at(v)] = sum / weights;
@@ -266,6 +266,8 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
                                edge.rim, edge.wall});
       }
   }
+  std::stable_sort(layer.edges.begin(), layer.edges.end(),
+                   [](const LayerMesh::Edge& x, const LayerMesh::Edge& y) { return x.triangle < y.triangle; });
   layer.beside = vertex_neighbours(layer.mesh.vertices.size(), layer.mesh.triangles);
   const double deepest = face.thickness.empty() ? 0.0 : *std::max_element(face.thickness.begin(), face.thickness.end());
   layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
