@@ -215,7 +215,7 @@ int build(const BuildArguments& a) {
   add_findings(placed, report.findings);
   add_findings(read_surfaces(a, inputs), report.findings);
   const Findings units = doubtful_matrices(inputs);
-  for (const std::string& question : coded(units)) {
+  for (const std::string& question : coded_words(units, command_line_wording())) {
     questions.push_back(question);
     log("warning: " + question);
   }
@@ -255,7 +255,7 @@ int build(const BuildArguments& a) {
       find_balances(joint_feb(joint, inputs.model), a.output, joint, progress, findings);
   Findings of_run = units;
   add_once(of_run, warnings_of_run(findings, questions.size() > units.size()));
-  add_findings(coded(of_code(findings, "motion-held")), report.findings);
+  add_findings(coded_words(of_code(findings, "motion-held"), command_line_wording()), report.findings);
   if (balances.front().found) {
     inputs.model.seat = balances.front().displacement;
     inputs.model.seat_turn = balances.front().turn;

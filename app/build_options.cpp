@@ -29,6 +29,12 @@ Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --place pelvis=bones.csv:1 --place-columns pelvis=pelvis_T --place-units pelvis=m --motion femur=moves.csv --motion-rotation zxy --motion-units deg-mm -o moved.feb
   dea build --bone femur=knee_femur.stl --cartilage femur=knee_femoral_cartilage.stl --bone tibia=knee_tibia.stl --cartilage tibia=knee_tibial_cartilage.stl --center femur=0,0,0 --motion femur=knee_flexion.csv --motion-rotation zxy --motion-units deg-mm --ligaments knee_ligaments.csv --force tibia=0,0,700 -o made_knee.feb)";
 
+// Of a table of poses, whose rows move a bone or place one.
+constexpr const char* kPoseRotation =
+    "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any";
+constexpr const char* kPoseUnits =
+    "Its units: deg-mm, rad-m; of matrices m; must be given if it has rotations by angles [mm; OpenSim's: m]";
+
 }  // namespace
 
 CLI::App* add_build(CLI::App& app, BuildArguments& a) {
@@ -51,11 +57,8 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "round [as in its file]");
   add_repeated(*c, "--place-columns", a.place_columns, "NAME=TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Surfaces",
                "Columns of the table of --place NAME=FILE:ROW; NAME_T: of 4x4 matrices [found by name]");
-  add_repeated(*c, "--place-rotation", a.place_rotations, "NAME=vector|zxy", "Surfaces",
-               "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
-  add_repeated(*c, "--place-units", a.place_units, "NAME=ANGLE-LENGTH|LENGTH", "Surfaces",
-               "Its units: deg-mm, rad-m; of matrices m; must be given if it has rotations by angles [mm; OpenSim's: "
-               "m]");
+  add_repeated(*c, "--place-rotation", a.place_rotations, "NAME=vector|zxy", "Surfaces", kPoseRotation);
+  add_repeated(*c, "--place-units", a.place_units, "NAME=ANGLE-LENGTH|LENGTH", "Surfaces", kPoseUnits);
   add_repeated(
       *c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
       "Where the cartilage is: near a surface or in a sphere. A plane trims what was found to the side of its normal. "
@@ -93,10 +96,8 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "its centre; once: a second bone is free (--free), loaded (--force, --loads) or held");
   add_once(*c, "--motion-columns", a.motion_columns, "TX,TY,TZ,RX,RY,RZ|NAME_T[,OTHER_T]", "Model",
            "Columns of the table; NAME_T: of 4x4 matrices, NAME_T,OTHER_T: relative to another bone's [found by name]");
-  add_once(*c, "--motion-rotation", a.motion_rotation, "vector|zxy", "Model",
-           "Its rotations: a rotation vector, or the sequence of three angles; must be given if it has any");
-  add_once(*c, "--motion-units", a.motion_units, "ANGLE-LENGTH", "Model",
-           "Its units: deg-mm, rad-m; of matrices m; must be given if it has rotations by angles [mm; OpenSim's: m]");
+  add_once(*c, "--motion-rotation", a.motion_rotation, "vector|zxy", "Model", kPoseRotation);
+  add_once(*c, "--motion-units", a.motion_units, "ANGLE-LENGTH", "Model", kPoseUnits);
   add_once(*c, "--motion-start", a.motion_start, "own-frame|TIME[,ground]", "Model",
            "Of matrices: where the bone's files have it, as dea run --motion-start [own-frame]");
   add_once(*c, "--ligaments", a.ligaments, "FILE.csv", "Model",

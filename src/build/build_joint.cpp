@@ -558,9 +558,10 @@ void refuse_shared_space(const BuiltJoint& joint, BuildReport& report) {
 
 /// Segmented layers are raised to a least thickness; what gave way so that no element is inside out may be thinner.
 void find_thin_places(const BuiltJoint& joint, BuildReport& report) {
-  for (std::size_t l = 0; l < joint.layers.size(); ++l)
-    if (report.layers[l].thin.least > 0)
-      report.layers[l].thin = thin_places(joint.layers[l], report.layers[l].thin.least);
+  for (std::size_t l = 0; l < joint.layers.size(); ++l) {
+    LayerReport& r = report.layers[l];
+    if (r.thin.least > 0) r.thin = thin_places(joint.layers[l], r.quality.thickness, r.thin.least);
+  }
 }
 
 /// Half the gap that is asked for has a least thickness; what gave way to the other cartilage, or so that no element is
@@ -571,7 +572,7 @@ void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, Buil
     const auto own = [&](const CartilageRequest& c) { return c.bone == layer.body && c.way == Way::HalfGap; };
     const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
     if (cartilage == request.cartilages.end()) continue;
-    const std::vector<double> thickness = layer_thickness(layer);
+    const std::vector<double>& thickness = report.layers[l].quality.thickness;
     std::size_t below = 0;
     for (std::size_t v = 0; v < thickness.size(); ++v)  // asked for along the lines through the layer
       below += (layer.articular[v] - layer.bone[v]).norm() < (1 - 1e-6) * cartilage->least ||

@@ -67,7 +67,7 @@ SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
     q.inside_out += jacobian <= 0;
   }
   const std::vector<double> areas = point_areas(layer.face());
-  const std::vector<double> thickness = layer_thickness(layer);
+  const std::vector<double>& thickness = q.thickness = layer_thickness(layer);
   for (std::size_t v = 0; v < thickness.size(); ++v) {
     q.least_thickness = std::min(q.least_thickness, thickness[v]);
     q.most_thickness = std::max(q.most_thickness, thickness[v]);
@@ -77,9 +77,9 @@ SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
   return q;
 }
 
-ThinPlaces thin_places(const BuiltLayer& layer, double least) {
+ThinPlaces thin_places(const BuiltLayer& layer, const std::vector<double>& thickness, double least) {
   ThinPlaces thin{least, 0.0, kInfinity, {}};
-  const std::vector<double> thickness = layer_thickness(layer), areas = point_areas(layer.face());
+  const std::vector<double> areas = point_areas(layer.face());
   double all = 0;
   for (std::size_t v = 0; v < thickness.size(); ++v) {
     all += areas[v];

@@ -17,7 +17,8 @@ struct SheetQuality {
   double least_jacobian = 0.0;  ///< least over all corners, scaled: 1 for a straight prism on an equilateral triangle
   double mean_jacobian = 0.0;   ///< mean of each prism's least
   int inside_out = 0;           ///< prisms with a Jacobian of zero or less at a corner
-  double least_thickness = 0.0, mean_thickness = 0.0, most_thickness = 0.0;  ///< as layer_thickness has it
+  std::vector<double> thickness;                                             ///< layer_thickness
+  double least_thickness = 0.0, mean_thickness = 0.0, most_thickness = 0.0;  ///< of it
   double mean_line = 0.0;                                                    ///< length of the lines through the layer
   double area = 0.0;                                                         ///< of the articular surface
   double mean_edge = 0.0;                                                    ///< of the articular surface
@@ -35,7 +36,8 @@ struct ThinPlaces {
   double thinnest = 0.0;                            ///< there
   Eigen::Vector3d where = Eigen::Vector3d::Zero();  ///< of the thinnest
 };
-ThinPlaces thin_places(const BuiltLayer& layer, double least);
+/// `thickness`: layer_thickness of it.
+ThinPlaces thin_places(const BuiltLayer& layer, const std::vector<double>& thickness, double least);
 
 /// The edge of a layer, where it ends or has thinned out.
 struct SheetRim {

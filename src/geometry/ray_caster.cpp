@@ -336,11 +336,4 @@ Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& p) {
          p.weights[2] * mesh.corner(p.triangle, 2);
 }
 
-double interpolate(const SurfaceMesh& mesh, const std::vector<double>& per_vertex, const SurfacePoint& p) {
-  const auto& tri = mesh.triangles[static_cast<std::size_t>(p.triangle)];
-  double value = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) value += p.weights[k] * per_vertex[static_cast<std::size_t>(tri[k])];
-  return value;
-}
-
 }  // namespace dea

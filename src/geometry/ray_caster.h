@@ -58,6 +58,13 @@ std::string ray_library_version();
 /// Position of a surface point.
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& point);
 /// A value given per vertex, interpolated linearly at a surface point.
-double interpolate(const SurfaceMesh& mesh, const std::vector<double>& per_vertex, const SurfacePoint& point);
+template <class Value>
+Value interpolate(const SurfaceMesh& mesh, const std::vector<Value>& per_vertex, const SurfacePoint& point) {
+  const auto& corners = mesh.triangles[static_cast<std::size_t>(point.triangle)];
+  const auto part = [&](std::size_t k) -> Value {
+    return point.weights[k] * per_vertex[static_cast<std::size_t>(corners[k])];
+  };
+  return part(0) + part(1) + part(2);
+}
 
 }  // namespace dea

@@ -301,6 +301,14 @@ std::vector<std::array<std::array<int, 2>, 3>> part_corners(int n) {
 
 }  // namespace
 
+Barycentric weights_in(const std::array<Vector3d, 3>& c, const Vector3d& x) {
+  const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
+  const double twice2 = normal.squaredNorm();
+  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2,
+               w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
+  return {w0, w1, 1 - w0 - w1};
+}
+
 std::vector<std::array<Barycentric, 3>> triangle_parts(int n) {
   std::vector<std::array<Barycentric, 3>> parts;
   for (const auto& corners : part_corners(n)) {

@@ -67,6 +67,8 @@ void flatten(SurfaceMesh& mesh);
 Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
 
 using Barycentric = std::array<double, 3>;
+/// Of a point in the plane of a triangle that has an area.
+Barycentric weights_in(const std::array<Vector3d, 3>& corners, const Vector3d& x);
 /// Corners of the n^2 equal parts of a triangle, counter-clockwise, in the triangle's barycentric coordinates.
 std::vector<std::array<Barycentric, 3>> triangle_parts(int n);
 /// Number of the part that holds a point of the triangle.

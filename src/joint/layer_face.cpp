@@ -94,15 +94,13 @@ bool any_held(const LayerBoundary& boundary, const std::vector<int>& facet) {
   return std::any_of(facet.begin(), facet.end(), [&](int node) { return boundary.node_held[at(node)] != 0; });
 }
 
-/// Is the edge held by planes of symmetry? `outward`: unit, in the surface, away from it. The surface must run into the
-/// plane, not along it.
+}  // namespace
+
 bool mirrored(int held, const Vector3d& outward) {
   for (int i = 0; i < 3; ++i)
     if ((held >> i & 1) != 0 && std::abs(outward[i]) > kIntoPlane) return true;
   return false;
 }
-
-}  // namespace
 
 Vector3d outward_at(const SurfaceMesh& mesh, int t, int k) {
   return (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k)).cross(mesh.normals[at(t)]).normalized();

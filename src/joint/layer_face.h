@@ -24,6 +24,10 @@ inline constexpr double kIntoPlane = 0.7;
 /// Unit, in the surface, away from it at the edge from corner k of triangle t to the next.
 Vector3d outward_at(const SurfaceMesh& mesh, int t, int k);
 
+/// Is an edge one of planes of symmetry? `held`: bit i set, both its ends are held across axis i; `outward`: of the
+/// edge. The surface must run into the plane, not along it.
+bool mirrored(int held, const Vector3d& outward);
+
 /// The face of a layer, reference frame. It begins with the vertices and triangles of Layer::articular, in their order;
 /// triangles behind these are cartilage that was not selected for the contact: it carries no pressure, but what is
 /// squeezed flows into it.

@@ -58,6 +58,8 @@ std::vector<std::string> lines(const Findings& findings, const Wording& wording 
 
 /// The same with the code behind each: "... [narrow-contact]", for a terminal or a log.
 std::vector<std::string> coded_lines(const Findings& findings, const Wording& wording = plain_wording());
+/// The same without "warning: " or "note: ".
+std::vector<std::string> coded_words(const Findings& findings, const Wording& wording = plain_wording());
 
 /// Of a joint that was recognised; of what was solved of it; both. Each once, warnings first, in the order of the
 /// rules.

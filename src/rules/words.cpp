@@ -115,14 +115,28 @@ std::string template_text(const Words& words) {
   return filled(words, [](const Slot& slot) { return slot.counts() ? slot.many : "<" + slot.name + ">"; });
 }
 
+namespace {
+
+/// Behind "file:line: ", if it has a place.
+std::string placed_words(const Finding& finding, const Wording& wording) {
+  return fmt::format("{}{}{}", finding.place, finding.place.empty() ? "" : ": ", worded(finding, wording));
+}
+
+}  // namespace
+
 std::string line(const Finding& finding, const Wording& wording) {
-  return fmt::format("{}: {}{}{}", name(severity(finding)), finding.place, finding.place.empty() ? "" : ": ",
-                     worded(finding, wording));
+  return fmt::format("{}: {}", name(severity(finding)), placed_words(finding, wording));
 }
 
 std::vector<std::string> lines(const Findings& findings, const Wording& wording) {
   std::vector<std::string> all;
   for (const Finding& finding : findings) all.push_back(line(finding, wording));
+  return all;
+}
+
+std::vector<std::string> coded_words(const Findings& findings, const Wording& wording) {
+  std::vector<std::string> all;
+  for (const Finding& f : findings) all.push_back(fmt::format("{} [{}]", placed_words(f, wording), f.code));
   return all;
 }
 

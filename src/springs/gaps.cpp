@@ -126,15 +126,6 @@ Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot
   return result;
 }
 
-/// Barycentric weights of a point in the plane of a triangle.
-std::array<double, 3> weights_in(const std::array<Vector3d, 3>& c, const Vector3d& x) {
-  const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
-  const double twice2 = normal.squaredNorm();
-  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2,
-               w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
-  return {w0, w1, 1 - w0 - w1};
-}
-
 /// A spring that may reach over the rim: how much of its foot triangle lies over the target, and the spring moved to
 /// the middle of that part. `distance`: along n to the target hereabouts.
 Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, std::vector<double>& bulge,

@@ -62,6 +62,21 @@ void add_source_feet(int triangles, LayerBed& bed) {
     }
 }
 
+/// Per triangle: the surface ends at one of its vertices, other than in a plane of symmetry.
+std::vector<char> ends_of(const SurfaceMesh& mesh) {
+  std::vector<char> end(mesh.vertices.size(), 0), ends;
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      const int planes = mesh.planes.empty() ? 0 : mesh.planes[at(a)] & mesh.planes[at(b)];
+      if (!mirrored(planes, outward_at(mesh, t, k))) end[at(a)] = end[at(b)] = 1;
+    }
+  for (const auto& corners : mesh.triangles)
+    ends.push_back(std::any_of(corners.begin(), corners.end(), [&](int v) { return end[at(v)] != 0; }));
+  return ends;
+}
+
 }  // namespace
 
 std::shared_ptr<const LayerBed> make_layer_bed(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
@@ -69,6 +84,7 @@ std::shared_ptr<const LayerBed> make_layer_bed(const Joint& joint, const Contact
   layers->source = bed_layer(joint, pair, pair.source, shared);
   layers->target = bed_layer(joint, pair, 1 - pair.source, shared);
   if (layers->source.layer) add_source_feet(pair.source_layer().articular.size(), *layers);
+  layers->ends = ends_of(pair.source_layer().spring_surface());
   return layers;
 }
 
@@ -331,16 +347,15 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
         set_spring(*beds[b].bed, all.layer_of[b], result, all.begin[b] + i, i, states[b]);
   }
   std::vector<std::vector<double>> flows(all.layers.size());  // of layers, when they are asked for
-  const auto outflow = [&](std::size_t side, std::size_t bed) {
-    return [&, side, bed]() -> const std::vector<double>& {
-      const std::size_t layer = at(all.layer_of[bed][side]);
+  std::vector<std::vector<double>> factors(beds.size());
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    const auto flow = [&](bool source) -> const std::vector<double>& {
+      const std::size_t layer = at(all.layer_of[b][source ? 0 : 1]);
       if (flows[layer].empty()) flows[layer] = edge_flow(*all.layers[layer], feet[layer], result.pressure);
       return flows[layer];
     };
-  };
-  std::vector<std::vector<double>> factors(beds.size());
-  for (std::size_t b = 0; b < beds.size(); ++b)
-    if (beds[b].active) factors[b] = press_bulges(beds[b], {outflow(0, b), outflow(1, b)}, states[b]);
+    if (beds[b].active) factors[b] = press_bulges(beds[b], flow, states[b]);
+  }
   const Eigen::MatrixXd rates =
       pressure_rates(all, contact, result, overlap_rates(all, contact, result, states), options, memory);
   share_out_rates(all, rates, states);

@@ -26,14 +26,28 @@ std::array<Vector3d, 3> hat_gradients(const SurfaceMesh& mesh, int t) {
   return gradient;
 }
 
+/// Unit at the vertices of free edges: from the rim, in the surface.
+std::vector<Vector3d> outward_at_rim(const LayerMesh& layer) {
+  std::vector<Vector3d> outward(layer.mesh.vertices.size(), Vector3d::Zero());
+  for (const LayerMesh::Edge& edge : layer.edges) {
+    if (edge.rim != Rim::Free) continue;
+    const Vector3d along = layer.mesh.vertices[at(edge.b)] - layer.mesh.vertices[at(edge.a)];
+    for (const int v : {edge.a, edge.b}) outward[at(v)] += along.cross(layer.mesh.normals[at(edge.triangle)]);
+  }
+  for (Vector3d& direction : outward) direction.normalize();
+  return outward;
+}
+
 /// Per vertex: distance from the nearest free edge, from each edge over the triangles around, as far as it is felt, and
-/// the slope of the wall there (`slope`: of the edges' vertices).
+/// the place there with the slope of its wall (`slope`: of the edges' vertices).
 void find_nearest_edges(const std::vector<double>& slope, double reach, LayerMesh& layer) {
   const SurfaceMesh& mesh = layer.mesh;
+  const std::vector<Vector3d> outward = outward_at_rim(layer);
   std::vector<double>& distance = layer.edge_distance;
   distance.assign(mesh.vertices.size(), reach);
   layer.wall_slope.assign(mesh.vertices.size(), 0.0);
-  layer.nearest_edge.assign(mesh.vertices.size(), -1);
+  layer.nearest_edge.assign(mesh.vertices.size(), {});
+  layer.outward.assign(mesh.vertices.size(), Vector3d::Zero());
   std::vector<int> seen(at(mesh.size()), -1), front;
   for (std::size_t k = 0; k < layer.edges.size(); ++k) {
     const LayerMesh::Edge& edge = layer.edges[k];
@@ -51,10 +65,11 @@ void find_nearest_edges(const std::vector<double>& slope, double reach, LayerMes
         felt = felt || d < reach;
         if (d >= distance[at(v)]) continue;
         distance[at(v)] = d;
-        layer.nearest_edge[at(v)] = static_cast<int>(k);
-        const double along = edge.length > 0 ? (x - a).dot(b - a) / (edge.length * edge.length) : 0.0;
-        layer.wall_slope[at(v)] =
-            slope[at(edge.a)] + std::clamp(along, 0.0, 1.0) * (slope[at(edge.b)] - slope[at(edge.a)]);
+        const double along =
+            edge.length > 0 ? std::clamp((x - a).dot(b - a) / (edge.length * edge.length), 0.0, 1.0) : 0.0;
+        layer.nearest_edge[at(v)] = {static_cast<int>(k), along};
+        layer.outward[at(v)] = (1 - along) * outward[at(edge.a)] + along * outward[at(edge.b)];
+        layer.wall_slope[at(v)] = slope[at(edge.a)] + along * (slope[at(edge.b)] - slope[at(edge.a)]);
       }
       if (!felt) continue;
       for (const int next : mesh.neighbours[at(t)]) {

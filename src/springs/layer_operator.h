@@ -32,8 +32,14 @@ struct LayerMesh {
   std::vector<Edge> edges;               ///< of one triangle alone, sorted by triangle
   std::vector<double> edge_distance;     ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
   std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
-  std::vector<int> nearest_edge;       ///< per vertex: the free edge that is nearest; -1: none within reach
-  std::vector<double> wall_slope;      ///< per vertex: of the wall there (EdgeLaw, leaning); 0: none within reach
+  /// The place on the free edges that is nearest to a vertex.
+  struct NearestEdge {
+    int edge = -1;       ///< -1: none within reach
+    double along = 0.0;  ///< 0 to 1, from its a to its b
+  };
+  std::vector<NearestEdge> nearest_edge;  ///< per vertex
+  std::vector<Vector3d> outward;          ///< per vertex: from the rim there, in the surface; unit at the edges' ends
+  std::vector<double> wall_slope;         ///< per vertex: of the wall there (EdgeLaw, leaning); 0: none within reach
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
 inline constexpr double kEdgeReach = 3.0;

@@ -25,7 +25,8 @@ struct BedLayer {
 struct LayerBed {
   BedLayer source, target;
   LayerFeet whole;                   ///< the springs' whole feet on the source's layer
-  std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on
+  std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on; bare: empty
+  std::vector<char> ends;  ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
 };
 
 /// A contact with Law::Layer at a pose.

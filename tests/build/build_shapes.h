@@ -80,4 +80,16 @@ inline BoneRequest bone_request(const std::string& name, const TriangleSurface& 
   return b;
 }
 
+/// Two bones; the first has cartilage with this outer surface.
+inline BuildRequest joint_request(const BoneRequest& first, const BoneRequest& second,
+                                  const TriangleSurface& cartilage) {
+  BuildRequest request;
+  request.bones = {first, second};
+  CartilageRequest c;
+  c.bone = 0;
+  c.outer = mend_surface(cartilage).surface;
+  request.cartilages = {c};
+  return request;
+}
+
 }  // namespace dea::test

@@ -85,13 +85,8 @@ TEST(SharedSpace, IsNothingWhereLayersTouch) {
 
 /// A plate with these sheets of cartilage, all in one file, under a bare plate.
 BuildRequest plate_with(const TriangleSurface& sheets) {
-  BuildRequest request;
-  request.bones = {bone_request("tibia", square(40, 20, 0, true)), bone_request("femur", square(40, 20, 2.2, false))};
-  CartilageRequest c;
-  c.bone = 0;
-  c.outer = mend_surface(sheets).surface;
-  request.cartilages = {c};
-  return request;
+  return joint_request(bone_request("tibia", square(40, 20, 0, true)),
+                       bone_request("femur", square(40, 20, 2.2, false)), sheets);
 }
 
 TriangleSurface together(TriangleSurface a, const TriangleSurface& b) {
@@ -175,23 +170,19 @@ TEST(LayerThickness, TellsThePlacesThatAreThinnerThanTheLeast) {
   const auto around = std::count_if(layer.triangles.begin(), layer.triangles.end(), [&](const auto& t) {
     return std::find(t.begin(), t.end(), static_cast<int>(tip)) != t.end();
   });
-  const ThinPlaces thin = thin_places(layer, 0.5);
+  const ThinPlaces thin = thin_places(layer, layer_thickness(layer), 0.5);
   EXPECT_NEAR(thin.thinnest, 0.3, 1e-9);
   EXPECT_NEAR(thin.part, static_cast<double>(around) * 0.5 / 3 / 100, 1e-9);
   EXPECT_EQ(thin.where, layer.articular[tip]);
-  EXPECT_EQ(thin_places(layer, 0.32).part, 0);  // by less than a tenth
+  EXPECT_EQ(thin_places(layer, layer_thickness(layer), 0.32).part, 0);  // by less than a tenth
 }
 
 // What the table tells is what dea recognises in the written model, to the digits that the file has. The bone's side of
 // a lining of 2.5 mm is turned by 4 degrees about the socket's axis: lines lean, and are longer than the layer is
 // thick.
 TEST(LayerThickness, IsTheOneThatDeaFindsInTheModel) {
-  BuildRequest request;
-  request.bones = {bone_request("socket", dome(12, 24, 0.7, false)), bone_request("ball", ball(12, 20))};
-  CartilageRequest c;
-  c.bone = 0;
-  c.outer = mend_surface(dome(14, 21.5, 0.6, false)).surface;
-  request.cartilages = {c};
+  BuildRequest request = joint_request(bone_request("socket", dome(12, 24, 0.7, false)),
+                                       bone_request("ball", ball(12, 20)), dome(14, 21.5, 0.6, false));
   BuildReport report;
   BuiltJoint joint = build_joint(request, report);
   for (Vector3d& x : joint.layers[0].bone) x = Eigen::AngleAxisd(4 / kDegreesPerRadian, Vector3d::UnitZ()) * x;

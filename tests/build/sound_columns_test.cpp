@@ -105,22 +105,9 @@ TEST(SoundColumns, AFoldAtTheRimIsLeftOut) {
   EXPECT_EQ(changes.change.size(), layer.bone.size());
 }
 
-BoneRequest bone_of(const std::string& name, const TriangleSurface& s) {
-  BoneRequest b;
-  b.name = name;
-  b.surface = mend_surface(s).surface;
-  b.closed = false;
-  return b;
-}
-
 BuildRequest plates(const TriangleSurface& cartilage) {
-  BuildRequest request;
-  request.bones = {bone_of("lower", square(20, 12, 0, true)), bone_of("upper", square(20, 12, 4, false))};
-  CartilageRequest c;
-  c.bone = 0;
-  c.outer = mend_surface(cartilage).surface;
-  request.cartilages = {c};
-  return request;
+  return joint_request(bone_request("lower", square(20, 12, 0, true)), bone_request("upper", square(20, 12, 4, false)),
+                       cartilage);
 }
 
 /// 2 mm of cartilage with a square dent, 4 x 4 of 20 x 20, that lies 0.5 in the bone: raised there to a tenth of the

@@ -152,7 +152,7 @@ Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json&
   j["thickness"] = j["jacobian"] = j["change"] = nullptr;
   j["jacobians"] = nullptr;
   if (layer.bare) return j;
-  const std::vector<double> thickness = layer_thickness(layer);
+  const std::vector<double>& thickness = s.report.layers[l].quality.thickness;
   ranges.thickness.add(thickness);
   j["thickness"] = arrays.add(pack_floats(floats(at_points(thickness, numbers))));
 

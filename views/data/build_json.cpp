@@ -201,14 +201,6 @@ std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildRep
   return lines;
 }
 
-std::vector<std::string> coded(const Findings& findings) {
-  std::vector<std::string> lines;
-  for (const Finding& f : findings)
-    lines.push_back(
-        fmt::format("{}{}{} [{}]", f.place, f.place.empty() ? "" : ": ", worded(f, command_line_wording()), f.code));
-  return lines;
-}
-
 std::vector<std::string> own_warnings(const BuildSummary& s) {
   std::vector<std::string> lines = s.anatomy.warnings;
   for (const std::string& change : change_warnings(s.joint, s.report)) lines.push_back(change);
@@ -224,7 +216,7 @@ std::vector<std::string> own_warnings(const BuildSummary& s) {
 
 std::vector<std::string> build_warnings(const BuildSummary& s) {
   std::vector<std::string> lines = own_warnings(s);
-  const std::vector<std::string> of_run = coded(s.of_run);
+  const std::vector<std::string> of_run = coded_words(s.of_run, command_line_wording());
   lines.insert(lines.end(), of_run.begin(), of_run.end());
   return lines;
 }

@@ -47,9 +47,6 @@ std::string modulus_question(const BuiltModelSettings& model);
 /// Layers whose thickness had to change by much, or is less than it was to be, over a part of their area that matters;
 /// a line each.
 std::vector<std::string> change_warnings(const BuiltJoint& joint, const BuildReport& report);
-/// In words, with the codes, as dea run tells them behind "warning: " or "note: ".
-std::vector<std::string> coded(const Findings& findings);
-
 /// What was measured against the axes or the side, layers that changed, a modulus that no cartilage has, loads that no
 /// joint bears, loads without a balance; a line each.
 std::vector<std::string> own_warnings(const BuildSummary& summary);
