@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -12,8 +11,12 @@ namespace dea {
 
 namespace {
 
-/// The part of a surface's force that presses it within one mean thickness of a free edge of its layer.
-double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
+/// What of a surface's force presses it within one mean thickness of free edges of its layer.
+struct ForceAtEdges {
+  double share = 0.0;
+  double wall = 0.0;  ///< by how much the surface turns there into the side wall [rad], mean over this force
+};
+ForceAtEdges force_at_edges(const Layer& layer, const std::vector<double>& pressure) {
   const SurfaceMesh& mesh = layer.articular;
   const double near_by = layer.mean_thickness();
   std::vector<std::pair<Vector3d, double>> pressed;  // centroids of triangles, and their forces
@@ -26,22 +29,30 @@ double share_at_edges(const Layer& layer, const std::vector<double>& pressure) {
     box.extend(pressed.back().first);
     all += pressed.back().second;
   }
-  if (pressed.empty()) return 0.0;
-  std::vector<std::array<Vector3d, 2>> edges;  // free ones that contact may reach, from corner to corner
+  ForceAtEdges found;
+  if (pressed.empty()) return found;
+  struct FreeEdge {
+    Vector3d a, b;
+    double wall;
+  };
+  std::vector<FreeEdge> edges;  // that contact may reach
   const SurfaceMesh& face = layer.face.mesh;
   for (const LayerFace::Edge& e : layer.face.edges) {
     if (e.rim != Rim::Free) continue;
     const Vector3d a = face.corner(e.triangle, e.edge), b = face.corner(e.triangle, (e.edge + 1) % 3);
     const double half = 0.5 * (b - a).norm();
-    if (box.exteriorDistance(Vector3d(0.5 * (a + b))) <= half + near_by) edges.push_back({a, b});
+    if (box.exteriorDistance(Vector3d(0.5 * (a + b))) <= half + near_by) edges.push_back({a, b, e.wall});
   }
   for (const auto& [centroid, force] : pressed)
-    for (const auto& edge : edges)
-      if (distance_to_segment(centroid, edge[0], edge[1]) <= near_by) {
+    for (const FreeEdge& edge : edges)
+      if (distance_to_segment(centroid, edge.a, edge.b) <= near_by) {
         beside += force;
+        found.wall += force * edge.wall;
         break;
       }
-  return beside / all;
+  found.share = beside / all;
+  if (beside > 0) found.wall /= beside;
+  return found;
 }
 
 /// Largest pressure of both surfaces where they end in one plane.
@@ -61,20 +72,27 @@ double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactF
 }  // namespace
 
 /// Contact that runs over a free edge. The deeper, the more is missing: a film that is pressed out over an edge flows
-/// the less, the thinner it has become (docs/layer_law.md, section 3).
+/// the less, the thinner it has become; and twice as much over a wall that is undercut (docs/layer_law.md, section 3).
 Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  constexpr double kSome = 0.1;
+  constexpr double kSome = 0.1, kUndercut = 105 * kPi / 180;
   Findings found;
   for (const JudgedSide& s : judged_sides(model, joint, result)) {
     if (s.layer.rigid || s.fields.pressure.empty()) continue;
-    const double share = share_at_edges(s.layer, s.fields.pressure), thickness = s.layer.mean_thickness();
+    const auto [share, wall] = force_at_edges(s.layer, s.fields.pressure);
     if (!(share > kSome)) continue;
     const double strain = s.statistics.largest_strain;
-    const int form = strain < 0.15 ? 0 : 1, cost = strain < 0.25 ? 10 : 20;
+    const bool undercut = wall > kUndercut;
+    const int cost = (strain < 0.15 ? 5 : strain < 0.25 ? 10 : 20) * (undercut ? 2 : 1);
     found.push_back({"force-at-edge",
                      s.subject,
-                     {{"percent", 100 * share}, {"thickness", thickness}, {"strain", 100 * strain}, {"cost", cost}},
-                     form});
+                     {{"percent", 100 * share},
+                      {"thickness", s.layer.mean_thickness()},
+                      {"strain", 100 * strain},
+                      {"cost", cost},
+                      {"wall", wall * 180 / kPi}},
+                     undercut        ? 2
+                     : strain < 0.15 ? 0
+                                     : 1});
   }
   return found;
 }

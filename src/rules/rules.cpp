@@ -209,11 +209,16 @@ std::vector<Rule> all_rules() {
           "Do not quote force and peak to better than this; let the contact end before the edge, or use FEBio.",
           {{N,
             "contact \"{contact}\": at time {time} {percent:.0f}% of its force presses surface \"{surface}\" within "
-            "one thickness ({thickness:.3g}) of its layer's free edge: force may be 5%, pressures there 15% off"},
+            "one thickness ({thickness:.3g}) of its layer's free edge: force may be {cost}%, pressures there 15% off"},
            {W,
             "contact \"{contact}\": at time {time} {percent:.0f}% of its force presses surface \"{surface}\" within "
             "one thickness ({thickness:.3g}) of its layer's free edge, at strains of up to {strain:.0f}%: where the "
-            "other surface goes on over the edge, force and pressures there may be {cost}% too low"}},
+            "other surface goes on over the edge, force and pressures there may be {cost}% too low"},
+           {W,
+            "contact \"{contact}\": at time {time} {percent:.0f}% of its force presses surface \"{surface}\" within "
+            "one thickness ({thickness:.3g}) of its layer's free edge, which is undercut ({wall:.0f} degrees), at "
+            "strains of up to {strain:.0f}%: where the other surface goes on over the edge, force and pressures there "
+            "may be {cost}% too low"}},
           force_at_edge),
       of_result(
           "smeared-map", "Use the springs' own numbers, or mesh this surface finer.",
@@ -234,7 +239,7 @@ std::vector<Rule> all_rules() {
                   "divide them with {refine}, or let the other body's finer surface carry them with {source}"},
                  {W,
                   "contact \"{contact}\": at time {time} only {springs} springs carry, too few to follow how the "
-                  "layers flow: force and peak may be 10% too high; divide them with {refine}"}},
+                  "layers flow: force and peak may be 10% off; divide them with {refine}"}},
                 few_springs),
       of_result("selection-ends-under-pressure", "Select the facets beyond as well.",
                 {{W,

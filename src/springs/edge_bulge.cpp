@@ -46,20 +46,26 @@ struct PressedSide {
   }
 };
 
-/// How much of the source's free edge at this triangle lies under target that goes on: by the triangle's image beyond.
-double goes_on_over(const SpringBed& bed, const RelativePose& relative, const LayerMesh& layer, int triangle,
+/// How much of the source's free edge at this triangle lies under target that goes on: by the triangle's image beyond,
+/// which is asked only where the target's triangle `hit` is near its own rim. NaN: no such edge.
+double goes_on_over(const SpringBed& bed, const RelativePose& relative, const LayerMesh& layer, int triangle, int hit,
                     double gap) {
+  const bool far_from_rim = bed.rim_distance[at(hit)] >= 4.0 * bed.foot_radius;
   const auto edge = std::lower_bound(layer.edges.begin(), layer.edges.end(), triangle,
                                      [](const LayerMesh::Edge& e, int t) { return e.triangle < t; });
   double covered = 0.0, count = 0.0;
   for (auto e = edge; e != layer.edges.end() && e->triangle == triangle; ++e) {
     if (e->rim != Rim::Free) continue;
+    count += 1;
+    if (far_from_rim) {
+      covered += 1;
+      continue;
+    }
     const auto& corners = layer.mesh.triangles[at(triangle)];
     const int third = corners[0] + corners[1] + corners[2] - e->a - e->b;
     const Vector3d &a = layer.mesh.vertices[at(e->a)], &b = layer.mesh.vertices[at(e->b)];
     covered += covered_part(bed, relative, {b, a, a + b - layer.mesh.vertices[at(third)]},
                             layer.mesh.normals[at(triangle)], gap);
-    count += 1;
   }
   return count > 0 ? covered / count : kNaN;
 }
@@ -86,7 +92,8 @@ std::vector<EdgeSpring> edge_springs(const PressedSide& side) {
     spring.weight = partakes * s.area[k] * (1 - distance / window);
     spring.pressure = s.pressure[k];
     if (side.source) {
-      const double covered = partakes > 0 ? goes_on_over(bed, relative, layer, place.triangle, s.gap[k]) : 0.0;
+      const double covered =
+          partakes > 0 ? goes_on_over(bed, relative, layer, place.triangle, s.triangle[k], s.gap[k]) : 0.0;
       spring.judges = std::isnan(covered) ? 0.0 : s.coverage[k];
       spring.goes_on = std::isnan(covered) ? 0.0 : partakes * covered;
     } else {
