@@ -13,7 +13,9 @@ namespace dea {
 
 namespace {
 
-constexpr int kWidth = 4;  // children of a node: their boxes lie side by side, so that loops over them are vectorised
+/// Children of a node: their boxes lie side by side, for the processor to work on them together.
+constexpr int kWidth = 4;
+using Four = Eigen::Array<double, kWidth, 1>;
 
 /// Boxes are too large by this part of the surface's extent: far more than rounding, far less than a triangle.
 constexpr double kPadding = 1e-6;
@@ -21,8 +23,8 @@ constexpr double kPadding = 1e-6;
 using Box = Eigen::AlignedBox3d;
 
 struct Node {
-  double bounds[2][3][kWidth];  // low, high; axis; child
-  int child[kWidth];            // a node's number, or ~ a triangle's
+  Four bounds[2][3];  // low, high; axis; child
+  int child[kWidth];  // a node's number, or ~ a triangle's
   int children;
 };
 
@@ -241,20 +243,10 @@ LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, co
   do {
     if (distance > std::max(-low, high)) continue;
     const Node& node = tree.nodes[at(number)];
-    double enter[kWidth], leave[kWidth];
-    for (int k = 0; k < kWidth; ++k) {
-      enter[k] = low;
-      leave[k] = high;
-    }
+    Four enter = Four::Constant(low), leave = Four::Constant(high);
     for (int axis = 0; axis < 3; ++axis) {
-      const double* near = node.bounds[first[axis]][axis];
-      const double* far = node.bounds[1 - first[axis]][axis];
-      const double o = first_origin[axis], p = last_origin[axis], by = inverse[axis];
-      for (int k = 0; k < kWidth; ++k) {
-        const double in = (near[k] - o) * by, out = (far[k] - p) * by;
-        enter[k] = enter[k] < in ? in : enter[k];
-        leave[k] = out < leave[k] ? out : leave[k];
-      }
+      enter = enter.max((node.bounds[first[axis]][axis] - first_origin[axis]) * inverse[axis]);
+      leave = leave.min((node.bounds[1 - first[axis]][axis] - last_origin[axis]) * inverse[axis]);
     }
     waiting.start();
     for (int k = 0; k < node.children; ++k) {
@@ -334,14 +326,9 @@ void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radiu
   do {
     if (distance2 > within2()) continue;
     const Node& node = tree.nodes[at(number)];
-    double child2[kWidth] = {};
+    Four child2 = Four::Zero();
     for (int axis = 0; axis < 3; ++axis)
-      for (int k = 0; k < kWidth; ++k) {
-        const double before = node.bounds[0][axis][k] - x[axis], beyond = x[axis] - node.bounds[1][axis][k];
-        double outside = before < beyond ? beyond : before;
-        outside = outside < 0 ? 0 : outside;
-        child2[k] += outside * outside;
-      }
+      child2 += (node.bounds[0][axis] - x[axis]).max(x[axis] - node.bounds[1][axis]).max(0.0).square();
     waiting.start();
     for (int k = 0; k < node.children; ++k) {
       if (child2[k] > within2()) continue;
