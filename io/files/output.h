@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace dea {
@@ -91,6 +92,7 @@ class Spool {
 
 /// Throws WriteError: what the system says of `error`, errno.
 [[noreturn]] void cannot_write(const std::string& path, int error);
+[[noreturn]] void cannot_write(const std::string& path, const std::error_code& error);
 
 /// Text for people, made printable (names.h), on standard output. Throws WriteError when that took not all of it.
 void print(const std::string& text);
