@@ -337,6 +337,8 @@ std::string default_output(const std::string& model, const std::string& extensio
   return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
 }
 
+bool is_separator(char c) { return c == '/' || c == static_cast<char>(fs::path::preferred_separator); }
+
 std::string without_slash(const std::string& folder) {
   const fs::path path = folder;
   return path.has_filename() ? folder : path.parent_path().string();

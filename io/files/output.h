@@ -103,6 +103,9 @@ void log(const std::string& line);
 /// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.
 std::string default_output(const std::string& model, const std::string& extension = ".xplt");
 
+/// Does it stand between a folder and a name in it?
+bool is_separator(char c);
+
 /// "results/" is the folder "results".
 std::string without_slash(const std::string& folder);
 
