@@ -112,7 +112,7 @@ std::string holder_of(int file) {
 
 /// The open file, locked; -1: there are no locks here.
 int take_lock(const fs::path& path, const NamedPath& output) {
-  const LockFile taken = lock_file(path.string());
+  const LockedFile taken = lock_file(path.string());
   if (taken.lock == Lock::Taken) return taken.file;
   if (taken.lock == Lock::Impossible) {
     const int why = errno;

@@ -84,7 +84,7 @@ int replace_file(const std::string& from, const std::string& to) {
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
-LockFile lock_file(const std::string& path) {
+LockedFile lock_file(const std::string& path) {
   for (;;) {
     int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0 && errno == EACCES) file = open_file(path, OpenAs::Reading);  // somebody else left it behind

@@ -53,11 +53,11 @@ int replace_file(const std::string& from, const std::string& to);
 
 /// A lock on a name, advisory, for as long as the file is open: it is made where it is missing.
 enum class Lock { Taken, OfAnother, Impossible };
-struct LockFile {
+struct LockedFile {
   Lock lock;
   int file;  ///< Taken: open to write. OfAnother: to read. -1: none, and errno
 };
-LockFile lock_file(const std::string& path);
+LockedFile lock_file(const std::string& path);
 
 int process_id();
 

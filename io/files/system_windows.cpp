@@ -2,11 +2,9 @@
 // open shares that: ours do.
 #include "io/files/system.h"
 
-// clang-format off
-#include <windows.h>  // before the others of the system
 #include <fcntl.h>
 #include <io.h>
-// clang-format on
+#include <windows.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -85,10 +83,14 @@ int file_of(HANDLE handle, int how) {
   return file;
 }
 
-/// Is this file what another program does not share?
-bool held_by_another(const std::wstring& path, DWORD access) {
-  const HANDLE handle =
-      CreateFileW(path.c_str(), access, kShared, nullptr, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
+/// Opens a file as whoever takes it away does.
+HANDLE to_take_away(const std::wstring& path) {
+  return CreateFileW(path.c_str(), DELETE, kShared, nullptr, OPEN_EXISTING, 0, nullptr);
+}
+
+/// Does another program have it open that does not share that?
+bool held_by_another(const std::wstring& path) {
+  const HANDLE handle = to_take_away(path);
   if (handle == INVALID_HANDLE_VALUE) return GetLastError() == ERROR_SHARING_VIOLATION;
   CloseHandle(handle);
   return false;
@@ -202,7 +204,7 @@ bool may_fill(const std::string& folder) {
 
 bool may_replace(const std::string& path) {
   for (int i = 0; i < kTries; ++i) {
-    const HANDLE handle = CreateFileW(wide(path).c_str(), DELETE, kShared, nullptr, OPEN_EXISTING, 0, nullptr);
+    const HANDLE handle = to_take_away(wide(path));
     if (handle != INVALID_HANDLE_VALUE) return CloseHandle(handle) != 0;
     if (GetLastError() != ERROR_SHARING_VIOLATION) break;
     Sleep(kPause);
@@ -216,13 +218,12 @@ int replace_file(const std::string& from, const std::string& to) {
     if (MoveFileExW(wide(from).c_str(), target.c_str(), MOVEFILE_REPLACE_EXISTING)) return 0;
     const int why = errno_of(GetLastError());
     if (why != EACCES && why != EBUSY) return why;
-    if (!held_by_another(target, DELETE)) return why;
-    if (i == kTries) return EBUSY;
+    if (i == kTries) return held_by_another(target) ? EBUSY : why;
     Sleep(kPause);
   }
 }
 
-LockFile lock_file(const std::string& path) {
+LockedFile lock_file(const std::string& path) {
   // The file itself is the lock: its holder lets nobody else write it, and it goes with the holder, killed or not.
   const std::wstring name = wide(path);
   for (int i = 0;; ++i) {
