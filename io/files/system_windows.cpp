@@ -8,9 +8,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <cwchar>
+#include <iterator>
 #include <random>
+#include <utility>
 
 namespace dea {
 
@@ -18,14 +19,13 @@ namespace {
 
 constexpr DWORD kShared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
 constexpr int kTries = 25;  // for half a second: others, such as those that look for viruses, hold a file for a moment
-constexpr DWORD kPause = 20;  // ms
+constexpr DWORD kPause = 20;            // ms
 constexpr DWORD kQuotaExceeded = 1295;  // ERROR_DISK_QUOTA_EXCEEDED, which MinGW does not name
 
 std::wstring wide(std::string_view text) {
   const int bytes = static_cast<int>(text.size());
   std::wstring result(text.size(), L'\0');  // never more than bytes
-  result.resize(
-      static_cast<std::size_t>(MultiByteToWideChar(CP_UTF8, 0, text.data(), bytes, result.data(), bytes)));
+  result.resize(static_cast<std::size_t>(MultiByteToWideChar(CP_UTF8, 0, text.data(), bytes, result.data(), bytes)));
   return result;
 }
 
@@ -33,37 +33,37 @@ HANDLE handle_of(int file) { return reinterpret_cast<HANDLE>(_get_osfhandle(file
 
 /// POSIX's number of Windows' error.
 int errno_of(DWORD error) {
-  switch (error) {
-    case ERROR_SUCCESS: return 0;
-    case ERROR_FILE_NOT_FOUND:
-    case ERROR_PATH_NOT_FOUND:
-    case ERROR_INVALID_DRIVE:
-    case ERROR_INVALID_NAME:
-    case ERROR_BAD_NETPATH:
-    case ERROR_BAD_NET_NAME: return ENOENT;
-    case ERROR_DIRECTORY: return ENOTDIR;
-    case ERROR_ACCESS_DENIED:
-    case ERROR_WRITE_PROTECT:
-    case ERROR_PRIVILEGE_NOT_HELD: return EACCES;
-    case ERROR_SHARING_VIOLATION:
-    case ERROR_LOCK_VIOLATION:
-    case ERROR_USER_MAPPED_FILE: return EBUSY;
-    case ERROR_FILE_EXISTS:
-    case ERROR_ALREADY_EXISTS: return EEXIST;
-    case ERROR_DIR_NOT_EMPTY: return ENOTEMPTY;
-    case ERROR_DISK_FULL:
-    case ERROR_HANDLE_DISK_FULL:
-    case kQuotaExceeded: return ENOSPC;
-    case ERROR_FILE_TOO_LARGE: return EFBIG;
-    case ERROR_FILENAME_EXCED_RANGE: return ENAMETOOLONG;
-    case ERROR_TOO_MANY_OPEN_FILES: return EMFILE;
-    case ERROR_BROKEN_PIPE:
-    case ERROR_NO_DATA: return EPIPE;
-    case ERROR_INVALID_HANDLE: return EBADF;
-    case ERROR_NOT_ENOUGH_MEMORY:
-    case ERROR_OUTOFMEMORY: return ENOMEM;
-    default: return EIO;
-  }
+  static constexpr std::pair<DWORD, int> kNumbers[] = {
+      {ERROR_SUCCESS, 0},
+      {ERROR_FILE_NOT_FOUND, ENOENT},
+      {ERROR_PATH_NOT_FOUND, ENOENT},
+      {ERROR_INVALID_DRIVE, ENOENT},
+      {ERROR_INVALID_NAME, ENOENT},
+      {ERROR_BAD_NETPATH, ENOENT},
+      {ERROR_BAD_NET_NAME, ENOENT},
+      {ERROR_DIRECTORY, ENOTDIR},
+      {ERROR_ACCESS_DENIED, EACCES},
+      {ERROR_WRITE_PROTECT, EACCES},
+      {ERROR_SHARING_VIOLATION, EBUSY},
+      {ERROR_LOCK_VIOLATION, EBUSY},
+      {ERROR_USER_MAPPED_FILE, EBUSY},
+      {ERROR_FILE_EXISTS, EEXIST},
+      {ERROR_ALREADY_EXISTS, EEXIST},
+      {ERROR_DIR_NOT_EMPTY, ENOTEMPTY},
+      {ERROR_DISK_FULL, ENOSPC},
+      {ERROR_HANDLE_DISK_FULL, ENOSPC},
+      {kQuotaExceeded, ENOSPC},
+      {ERROR_FILE_TOO_LARGE, EFBIG},
+      {ERROR_FILENAME_EXCED_RANGE, ENAMETOOLONG},
+      {ERROR_TOO_MANY_OPEN_FILES, EMFILE},
+      {ERROR_BROKEN_PIPE, EPIPE},
+      {ERROR_NO_DATA, EPIPE},
+      {ERROR_INVALID_HANDLE, EBADF},
+      {ERROR_NOT_ENOUGH_MEMORY, ENOMEM},
+  };
+  const auto* known =
+      std::find_if(std::begin(kNumbers), std::end(kNumbers), [&](const auto& pair) { return pair.first == error; });
+  return known != std::end(kNumbers) ? known->second : EIO;
 }
 
 /// False, and errno.
@@ -227,9 +227,9 @@ LockedFile lock_file(const std::string& path) {
   // The file itself is the lock: its holder lets nobody else write it, and it goes with the holder, killed or not.
   const std::wstring name = wide(path);
   for (int i = 0;; ++i) {
-    const HANDLE handle = CreateFileW(name.c_str(), GENERIC_READ | GENERIC_WRITE | DELETE,
-                                      FILE_SHARE_READ | FILE_SHARE_DELETE, nullptr, OPEN_ALWAYS,
-                                      FILE_ATTRIBUTE_HIDDEN | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+    const HANDLE handle =
+        CreateFileW(name.c_str(), GENERIC_READ | GENERIC_WRITE | DELETE, FILE_SHARE_READ | FILE_SHARE_DELETE, nullptr,
+                    OPEN_ALWAYS, FILE_ATTRIBUTE_HIDDEN | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
     if (handle != INVALID_HANDLE_VALUE) {
       const int file = file_of(handle, 0);
       return {file < 0 ? Lock::Impossible : Lock::Taken, file};
@@ -260,9 +260,9 @@ double memory_left() {
 
 }  // namespace dea
 
-/// std::filesystem takes each byte of a name for a letter, whatever the code page: it asks the runtime library, to which
-/// the linker gives this in place of its own (--wrap). UTF-8; a letter beyond 16 bits comes in two calls, its first half
-/// with three bytes, its second with the last. What is no UTF-8 becomes U+FFFD, byte by byte.
+/// std::filesystem takes each byte of a name for a letter, whatever the code page: it asks the runtime library, to
+/// which the linker gives this in place of its own (--wrap). UTF-8; a letter beyond 16 bits comes in two calls, its
+/// first half with three bytes, its second with the last. What is no UTF-8 becomes U+FFFD, byte by byte.
 extern "C" std::size_t __wrap_mbrtowc(wchar_t* to, const char* from, std::size_t count, std::mbstate_t* half) {
   if (from == nullptr || count == 0) return from == nullptr ? 0 : static_cast<std::size_t>(-2);
   wchar_t ignored = 0;
