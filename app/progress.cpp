@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <system_error>
 #include <utility>
 
 #include "io/files/output.h"
@@ -38,13 +39,16 @@ ProgressStyle progress_style(bool quiet, bool verbose) {
 
 Progress::Progress(ProgressStyle style) : Progress(style, write_error, seconds) {
   if (style != ProgressStyle::Bar && style != ProgressStyle::Lines) return;
-  ticker_ = std::thread([this] {
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (!ended_) {
-      wake_.wait_for(lock, std::chrono::milliseconds(500));
-      if (!ended_) show();
-    }
-  });
+  try {
+    ticker_ = std::thread([this] {
+      std::unique_lock<std::mutex> lock(mutex_);
+      while (!ended_) {
+        wake_.wait_for(lock, std::chrono::milliseconds(500));
+        if (!ended_) show();
+      }
+    });
+  } catch (const std::system_error&) {  // no thread is to be had: seconds are counted at each step alone
+  }
 }
 
 Progress::Progress(ProgressStyle style, std::function<void(const std::string&)> write, std::function<double()> clock)

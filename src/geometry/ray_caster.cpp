@@ -1,57 +1,184 @@
 #include "src/geometry/ray_caster.h"
 
-#if DEA_EMBREE >= 4  // the version that CMake found
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <new>
+#include <utility>
 
 #include "src/base/numbers.h"
 
 namespace dea {
 
+// ---- the tree -------------------------------------------------------------------------------------------------------
+
 namespace {
 
-#if DEA_EMBREE >= 4
-void intersect_scene(RTCScene scene, RTCRayQueryContext* context, RTCRayHit* ray) {
-  rtcInitRayQueryContext(context);
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.context = context;
-  rtcIntersect1(scene, ray, &arguments);
-}
-#else
-using RTCRayQueryContext = RTCIntersectContext;
+constexpr int kWidth = 4;  // children of a node: their boxes lie side by side, so that loops over them are vectorised
 
-void intersect_scene(RTCScene scene, RTCRayQueryContext* context, RTCRayHit* ray) {
-  rtcInitIntersectContext(context);
-  rtcIntersect1(scene, context, ray);
+/// Boxes are too large by this part of the surface's extent: far more than rounding, far less than a triangle.
+constexpr double kPadding = 1e-6;
+
+using Box = Eigen::AlignedBox3d;
+
+struct Node {
+  double bounds[2][3][kWidth];  // low, high; axis; child
+  int child[kWidth];            // a node's number, or ~ a triangle's
+  int children;
+};
+
+/// A node takes at least two triangles or nodes, and its range of triangles is halved twice: with 2^31 triangles no
+/// branch has more than 16 nodes, of which each leaves at most three children waiting.
+constexpr int kMostWaiting = 64;
+
+/// A triangle while the tree is built. What is sorted is small: single precision does, it only says where to split.
+struct Item {
+  float centroid[3];
+  int triangle;
+};
+
+class Builder {
+ public:
+  explicit Builder(const SurfaceMesh& mesh) : mesh_(mesh) {
+    items_.reserve(mesh.triangles.size());
+    for (int t = 0; t < mesh.size(); ++t) {
+      const Vector3d sum = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
+      Item item{{}, t};
+      for (int axis = 0; axis < 3; ++axis)  // numbers that can be sorted, whatever the vertices are
+        item.centroid[axis] = std::isfinite(sum[axis]) ? static_cast<float>(sum[axis]) : 0.0f;
+      items_.push_back(item);
+    }
+    nodes_.reserve(items_.size() / 2 + 1);
+    if (!items_.empty()) add(0, items_.size());
+  }
+
+  std::vector<Node> take() { return std::move(nodes_); }
+
+ private:
+  Box add(std::size_t begin, std::size_t end) {
+    const std::size_t own = nodes_.size();
+    nodes_.emplace_back();
+    std::size_t cuts[kWidth + 1] = {begin, 0, 0, 0, end};
+    if (end - begin <= kWidth) {
+      for (std::size_t k = 1; k < kWidth; ++k) cuts[k] = std::min(begin + k, end);
+    } else {
+      cuts[2] = halve(begin, end);
+      cuts[1] = halve(begin, cuts[2]);
+      cuts[3] = halve(cuts[2], end);
+    }
+    Box all;
+    int children = 0;
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      if (cuts[k] == cuts[k + 1]) continue;
+      Box box;
+      int child;
+      if (cuts[k + 1] - cuts[k] == 1) {
+        const int t = items_[cuts[k]].triangle;
+        child = ~t;
+        for (int corner = 0; corner < 3; ++corner) box.extend(mesh_.corner(t, corner));
+      } else {
+        child = static_cast<int>(nodes_.size());
+        box = add(cuts[k], cuts[k + 1]);
+      }
+      all.extend(box);
+      Node& node = nodes_[own];
+      for (int axis = 0; axis < 3; ++axis) {
+        node.bounds[0][axis][children] = box.min()[axis];
+        node.bounds[1][axis][children] = box.max()[axis];
+      }
+      node.child[children++] = child;
+    }
+    Node& node = nodes_[own];
+    node.children = children;
+    for (int k = children; k < kWidth; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        node.bounds[0][axis][k] = kInfinity;
+        node.bounds[1][axis][k] = -kInfinity;
+      }
+      node.child[k] = 0;
+    }
+    return all;
+  }
+
+  /// Sorts a range into two halves along its longest side. Where they meet: after a multiple of kWidth triangles, so
+  /// that most nodes are full.
+  std::size_t halve(std::size_t begin, std::size_t end) {
+    const std::size_t count = end - begin;
+    if (count <= 1) return end;
+    float low[3], high[3];
+    std::copy_n(items_[begin].centroid, 3, low);
+    std::copy_n(items_[begin].centroid, 3, high);
+    for (std::size_t i = begin + 1; i < end; ++i)
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], items_[i].centroid[k]);
+        high[k] = std::max(high[k], items_[i].centroid[k]);
+      }
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+    const std::size_t half = count > kWidth ? (count / 2 + kWidth - 1) / kWidth * kWidth : (count + 1) / 2;
+    const auto first = items_.begin() + static_cast<std::ptrdiff_t>(begin);
+    std::nth_element(first, first + static_cast<std::ptrdiff_t>(half), first + static_cast<std::ptrdiff_t>(count),
+                     [axis](const Item& a, const Item& b) { return a.centroid[axis] < b.centroid[axis]; });
+    return begin + half;
+  }
+
+  const SurfaceMesh& mesh_;
+  std::vector<Item> items_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace
+
+struct RayCaster::Tree {
+  std::vector<Node> nodes;  // the root first; none: the surface has no triangles
+  Vector3d center;          // of all vertices
+  double extent;            // no two points of the surface are farther apart than this
+};
+
+RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>(std::move(of))) {
+  Box box;
+  if (mesh_->vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
+  for (const Vector3d& x : mesh_->vertices) box.extend(x);
+  tree_ = std::make_shared<const Tree>(
+      Tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm()});
 }
-#endif
+
+namespace {
+
+/// Children that a query has yet to look into, the nearest on top.
+class Waiting {
+ public:
+  void push(double distance, int node) {
+    int i = size_++;
+    for (; i > floor_ && entries_[i - 1].distance < distance; --i) entries_[i] = entries_[i - 1];
+    entries_[i] = {distance, node};
+  }
+  /// What is pushed from here on lies on top of all that is there.
+  void start() { floor_ = size_; }
+  bool pop(double* distance, int* node) {
+    if (size_ == 0) return false;
+    *distance = entries_[--size_].distance;
+    *node = entries_[size_].node;
+    return true;
+  }
+
+ private:
+  struct Entry {
+    double distance;
+    int node;
+  };
+  Entry entries_[kMostWaiting];
+  int size_ = 0, floor_ = 0;
+};
+
+// ---- lines ----------------------------------------------------------------------------------------------------------
 
 // A barycentric tolerance: a line that meets the shared edge of two triangles belongs to both.
 constexpr double kEdgeTolerance = 1e-9;
 
 struct Candidate {
   double distance;
-  int triangle;
-  std::array<double, 3> weights;
-};
-
-/// What the intersection callback needs and collects; Embree hands the pointer to its first member back to us.
-struct LineQuery {
-  RTCRayQueryContext context;  // must be first
-  Vector3d origin, direction;
-  double from, limit, to, min_facing;
-  double best;  // smallest |distance| of a valid crossing so far
-  double tolerance;
-  std::vector<Candidate>* found;
+  SurfacePoint point;
 };
 
 /// Möller-Trumbore in double precision. Weights may be down to -kEdgeTolerance.
@@ -73,6 +200,94 @@ bool intersect(const SurfaceMesh& mesh, int t, const Vector3d& origin, const Vec
   return true;
 }
 
+/// Of all crossings with d in (from, to) the one of smallest |d|, the lowest-numbered triangle of those at the same place.
+LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3d& origin,
+                        const Vector3d& direction, double from, double to, double min_facing) {
+  thread_local std::vector<Candidate> found;
+  LineHit result;
+  if (!(from < to) || tree.nodes.empty()) return result;
+  found.clear();
+  double best = kInfinity, low = from, high = to;
+  const double tolerance = 1e-9 * tree.extent;
+  const auto look_at = [&](int t) {
+    if (!(mesh.normals[at(t)].dot(direction) < -min_facing)) return;
+    Candidate c;
+    c.point.triangle = t;
+    if (!intersect(mesh, t, origin, direction, &c.distance, &c.point.weights)) return;
+    if (!(c.distance > from && c.distance < to)) return;
+    found.push_back(c);
+    if (!(std::abs(c.distance) < best)) return;
+    best = std::abs(c.distance);
+    low = std::max(low, -(best + tolerance));
+    high = std::min(high, best + tolerance);
+  };
+
+  // Planes of a box that the line meets first and last, per axis; all moved out by the padding.
+  const double padding = kPadding * tree.extent + 1e-14 * origin.lpNorm<Eigen::Infinity>();
+  double inverse[3], first_origin[3], last_origin[3];
+  int first[3];
+  for (int k = 0; k < 3; ++k) {
+    constexpr double kParallel = 1e-300;  // keeps 0 times infinity out
+    inverse[k] = 1.0 / (std::abs(direction[k]) > kParallel ? direction[k] : kParallel);
+    first[k] = inverse[k] < 0;
+    const double out = first[k] ? -padding : padding;
+    first_origin[k] = origin[k] + out;
+    last_origin[k] = origin[k] - out;
+  }
+  Waiting waiting;
+  int number = 0;
+  double distance = 0;
+  do {
+    if (distance > std::max(-low, high)) continue;
+    const Node& node = tree.nodes[at(number)];
+    double enter[kWidth], leave[kWidth];
+    for (int k = 0; k < kWidth; ++k) {
+      enter[k] = low;
+      leave[k] = high;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const double* near = node.bounds[first[axis]][axis];
+      const double* far = node.bounds[1 - first[axis]][axis];
+      const double o = first_origin[axis], p = last_origin[axis], by = inverse[axis];
+      for (int k = 0; k < kWidth; ++k) {
+        const double in = (near[k] - o) * by, out = (far[k] - p) * by;
+        enter[k] = enter[k] < in ? in : enter[k];
+        leave[k] = out < leave[k] ? out : leave[k];
+      }
+    }
+    waiting.start();
+    for (int k = 0; k < node.children; ++k) {
+      if (!(enter[k] <= leave[k])) continue;
+      if (node.child[k] < 0)
+        look_at(~node.child[k]);
+      else
+        waiting.push(std::max(enter[k], -leave[k]), node.child[k]);
+    }
+  } while (waiting.pop(&distance, &number));
+
+  for (const Candidate& c : found) {
+    if (std::abs(c.distance) > best + tolerance) continue;
+    if (result.point.triangle >= 0 && c.point.triangle > result.point.triangle) continue;
+    result.point = c.point;
+    result.distance = c.distance;
+  }
+  return result;
+}
+
+}  // namespace
+
+LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,
+                                  double to, double min_facing) const {
+  const LineHit hit = nearest_between(*tree_, *mesh_, origin, direction, std::max(from, limit), to, min_facing);
+  if (hit.point.triangle >= 0) return hit;
+  return nearest_between(*tree_, *mesh_, origin, direction, from, std::min(to, std::nextafter(limit, kInfinity)),
+                         min_facing);
+}
+
+// ---- closest points -------------------------------------------------------------------------------------------------
+
+namespace {
+
 /// Closest point of triangle t to x: barycentric weights and squared distance.
 double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, std::array<double, 3>* weights) {
   const Vector3d &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
@@ -87,6 +302,7 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
     return d * d / twice2;
   }
   double best = kInfinity;
+  *weights = {1, 0, 0};
   for (int k = 0; k < 3; ++k) {
     const Vector3d &p = mesh.corner(t, k), &q = mesh.corner(t, (k + 1) % 3);
     const Vector3d pq = q - p;
@@ -102,233 +318,76 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
   return best;
 }
 
-RTCDevice device() {
-  // One device for the process; tasks come from oneTBB inside Embree only when a large scene is built.
-  static RTCDevice instance = nullptr;
-  static std::once_flag made;
-  std::call_once(made, [] {
-    instance = rtcNewDevice(nullptr);
-    if (instance == nullptr) throw std::bad_alloc();  // the next call tries again
-  });
-  return instance;
-}
-
-}  // namespace
-
-struct RayCaster::Scene {
-  const SurfaceMesh* mesh;
-  Vector3d center;  // float coordinates are taken from here, to keep their digits
-  double padding;   // boxes and starting points are moved out by this much: single precision errors stay inside
-  double extent;    // no two points of the surface are farther apart than this
-  RTCScene scene = nullptr;
-
-  ~Scene() {
-    if (scene) rtcReleaseScene(scene);
-  }
-};
-
-namespace {
-
-void bounds_callback(const RTCBoundsFunctionArguments* args) {
-  const auto& scene = *static_cast<const RayCaster::Scene*>(args->geometryUserPtr);
-  Eigen::AlignedBox3d box;
-  for (int k = 0; k < 3; ++k) box.extend(scene.mesh->corner(static_cast<int>(args->primID), k));
-  const Vector3d low = box.min() - (scene.center + Vector3d::Constant(scene.padding)),
-                 high = box.max() - (scene.center - Vector3d::Constant(scene.padding));
-  RTCBounds& b = *args->bounds_o;
-  b.lower_x = static_cast<float>(low.x());
-  b.lower_y = static_cast<float>(low.y());
-  b.lower_z = static_cast<float>(low.z());
-  b.upper_x = static_cast<float>(high.x());
-  b.upper_y = static_cast<float>(high.y());
-  b.upper_z = static_cast<float>(high.z());
-}
-
-void intersect_callback(const RTCIntersectFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  const auto& scene = *static_cast<const RayCaster::Scene*>(args->geometryUserPtr);
-  auto& query = *reinterpret_cast<LineQuery*>(args->context);
-  const int t = static_cast<int>(args->primID);
-  if (!(scene.mesh->normals[static_cast<std::size_t>(t)].dot(query.direction) < -query.min_facing)) return;
-  Candidate c;
-  c.triangle = t;
-  if (!intersect(*scene.mesh, t, query.origin, query.direction, &c.distance, &c.weights)) return;
-  if (!(c.distance > query.from && c.distance < query.to)) return;
-  query.found->push_back(c);
-  if (c.distance > query.limit && std::abs(c.distance) < query.best) {
-    query.best = std::abs(c.distance);
-    // nothing farther along the line can be nearer to its origin
-    const double far = query.best + query.tolerance - query.from + 2 * scene.padding;
-    auto* ray = reinterpret_cast<RTCRayHit*>(args->rayhit);
-    ray->ray.tfar = std::min(ray->ray.tfar, static_cast<float>(far * (1 + 1e-6)));
-    ray->hit.geomID = args->geomID;
-  }
-}
-
-struct ClosestQuery {
-  const RayCaster::Scene* scene;
-  Vector3d x;
-  std::vector<int>* within;  // collect all triangles within `radius` instead of looking for the closest point
-  double radius;
-  double best2;
-  double tolerance;
-  SurfacePoint point;
-};
-
-bool closest_callback(RTCPointQueryFunctionArguments* args) {
-  auto& query = *static_cast<ClosestQuery*>(args->userPtr);
-  std::array<double, 3> weights;
-  const int t = static_cast<int>(args->primID);
-  const double d2 = closest_on_triangle(*query.scene->mesh, t, query.x, &weights);
-  if (query.within) {
-    if (d2 <= query.radius * query.radius) query.within->push_back(t);
-    return false;
-  }
-  const double d = std::sqrt(d2), best = std::sqrt(query.best2);
-  const bool tie = std::abs(d - best) <= query.tolerance;
-  if (d < best - query.tolerance || (tie && t < query.point.triangle) || query.point.triangle < 0) {
-    query.best2 = d2;
-    query.point.triangle = t;
-    query.point.weights = weights;
-    args->query->radius = static_cast<float>((d + query.tolerance) * (1 + 1e-6) + 2 * query.scene->padding);
-    return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>(std::move(of))) {
-  const SurfaceMesh& mesh = *mesh_;
-  const auto scene = std::make_shared<Scene>();
-  scene_ = scene;
-  Scene& s = *scene;
-  s.mesh = &mesh;
-  Eigen::AlignedBox3d box;
-  if (mesh.vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
-  for (const Vector3d& x : mesh.vertices) box.extend(x);
-  s.center = 0.5 * (box.min() + box.max());
-  s.extent = box.diagonal().norm();
-  s.padding = 4e-6 * s.extent;
-  rtcGetDeviceError(device());  // what came before is not ours
-  s.scene = rtcNewScene(device());
-  if (s.scene == nullptr) throw std::bad_alloc();
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
-  if (geometry == nullptr) throw std::bad_alloc();
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.size()));
-  rtcSetGeometryUserData(geometry, scene.get());
-  rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_callback);
-  rtcSetGeometryPointQueryFunction(geometry, closest_callback);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(s.scene);
-  // Embree does not throw. A scene of ours has one fault only, and an unfinished one must not be asked.
-  if (rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
-}
-
-LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,
-                                  double to, double min_facing) const {
-  const Scene& s = *scene_;
-  thread_local std::vector<Candidate> found;
-  found.clear();
-  LineQuery query;
-  query.origin = origin;
-  query.direction = direction;
-  query.min_facing = min_facing;
-  query.limit = limit;
-  query.best = kInfinity;
-  query.tolerance = 1e-9 * s.extent;
-  query.found = &found;
-  // The ray starts where the line enters the sphere around the surface, or at `from` if that is later: single
-  // precision then never sees a length much beyond the surface's own size. tnear stays 0 (Debian's Embree insists).
-  const double middle = (s.center - origin).dot(direction);
-  const double reach = s.extent + 4 * s.padding;  // twice the radius of that sphere, generously
-  query.from = std::max(from, middle - reach);
-  query.to = std::min(to, middle + reach);
-  LineHit result;
-  if (!(query.from < query.to) || s.mesh->size() == 0) return result;
-  // A line past that sphere meets nothing, and may start where single precision has no numbers any more.
-  if (!((origin + middle * direction - s.center).norm() < reach)) return result;
-  const Vector3d start = origin + (query.from - 2 * s.padding) * direction - s.center;
-  RTCRayHit ray;
-  ray.ray.org_x = static_cast<float>(start.x());
-  ray.ray.org_y = static_cast<float>(start.y());
-  ray.ray.org_z = static_cast<float>(start.z());
-  ray.ray.dir_x = static_cast<float>(direction.x());
-  ray.ray.dir_y = static_cast<float>(direction.y());
-  ray.ray.dir_z = static_cast<float>(direction.z());
-  ray.ray.tnear = 0.0f;
-  ray.ray.tfar = static_cast<float>((query.to - query.from + 4 * s.padding) * (1 + 1e-6));
-  ray.ray.time = 0.0f;
-  ray.ray.mask = 0xffffffffu;
-  ray.ray.id = 0;
-  ray.ray.flags = 0;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  intersect_scene(s.scene, &query.context, &ray);
-
-  // The nearest valid crossing, or the nearest too deep one; of those at the same place the lowest number.
-  const bool any_valid = std::isfinite(query.best);
-  double best = query.best;
-  if (!any_valid)
-    for (const Candidate& c : found) best = std::min(best, std::abs(c.distance));
-  for (const Candidate& c : found) {
-    if (any_valid && !(c.distance > query.limit)) continue;
-    if (std::abs(c.distance) > best + query.tolerance) continue;
-    if (result.point.triangle >= 0 && c.triangle > result.point.triangle) continue;
-    result.point.triangle = c.triangle;
-    result.point.weights = c.weights;
-    result.distance = c.distance;
-  }
-  return result;
-}
-
-namespace {
-
-void point_query(const RayCaster::Scene& scene, ClosestQuery& query, double radius) {
-  const Vector3d local = query.x - scene.center;
-  RTCPointQuery point;
-  point.x = static_cast<float>(local.x());
-  point.y = static_cast<float>(local.y());
-  point.z = static_cast<float>(local.z());
-  point.time = 0.0f;
-  point.radius = static_cast<float>(radius);
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene.scene, &point, &context, closest_callback, &query);
+/// Calls `look_at(t)` for all triangles that have a point within `radius` of x, and some others, the near ones early.
+/// `radius` may shrink on the way.
+template <class LookAt>
+void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radius, const LookAt& look_at) {
+  if (tree.nodes.empty()) return;
+  const auto within2 = [&] {
+    const double r = radius * (1 + 1e-6) + kPadding * tree.extent;
+    return r * r;
+  };
+  Waiting waiting;
+  int number = 0;
+  double distance2 = 0;
+  do {
+    if (distance2 > within2()) continue;
+    const Node& node = tree.nodes[at(number)];
+    double child2[kWidth] = {};
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < kWidth; ++k) {
+        const double before = node.bounds[0][axis][k] - x[axis], beyond = x[axis] - node.bounds[1][axis][k];
+        double outside = before < beyond ? beyond : before;
+        outside = outside < 0 ? 0 : outside;
+        child2[k] += outside * outside;
+      }
+    waiting.start();
+    for (int k = 0; k < node.children; ++k) {
+      if (child2[k] > within2()) continue;
+      if (node.child[k] < 0)
+        look_at(~node.child[k]);
+      else
+        waiting.push(child2[k], node.child[k]);
+    }
+  } while (waiting.pop(&distance2, &number));
 }
 
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  // From very far away single precision tells no triangles apart, and each would be asked: a point on the way there has
-  // the same answer to the digits that are left.
-  const Vector3d away = x - scene_->center;
-  const double far = 1e4 * scene_->extent;
-  const Vector3d from = away.norm() > far ? Vector3d(scene_->center + far * away.normalized()) : x;
-  ClosestQuery query{scene_.get(), from, nullptr, 0.0, kInfinity, 1e-12 * scene_->extent, {}};
-  point_query(*scene_, query, kInfinity);
-  return query.point;
+  // From very far away rounding tells no triangles apart, and each would be asked: a point on the way there has the
+  // same answer to the digits that are left.
+  const Vector3d away = x - tree_->center;
+  const double far = 1e4 * tree_->extent;
+  const Vector3d from = away.norm() > far ? Vector3d(tree_->center + far * away.normalized()) : x;
+  thread_local std::vector<Candidate> found;
+  found.clear();
+  double best = kInfinity;
+  double radius = kInfinity;
+  const double tolerance = 1e-12 * tree_->extent;
+  near_to(*tree_, from, radius, [&](int t) {
+    Candidate c;
+    c.point.triangle = t;
+    c.distance = std::sqrt(closest_on_triangle(*mesh_, t, from, &c.point.weights));
+    if (c.distance > radius) return;
+    found.push_back(c);
+    best = std::min(best, c.distance);
+    radius = best + tolerance;
+  });
+  SurfacePoint point;
+  for (const Candidate& c : found)
+    if (c.distance <= radius && (point.triangle < 0 || c.point.triangle < point.triangle)) point = c.point;
+  return point;
 }
 
 std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
   std::vector<int> found;
-  ClosestQuery query{scene_.get(), x, &found, radius, kInfinity, 0.0, {}};
-  point_query(*scene_, query, radius * (1 + 1e-6) + 2 * scene_->padding);
+  near_to(*tree_, x, radius, [&](int t) {
+    std::array<double, 3> weights;
+    if (closest_on_triangle(*mesh_, t, x, &weights) <= radius * radius) found.push_back(t);
+  });
   std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());  // a triangle may sit in several leaves
   return found;
-}
-
-std::string ray_library_version() {
-  const auto number = [](RTCDeviceProperty property) {
-    return std::to_string(rtcGetDeviceProperty(device(), property));
-  };
-  return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
-         number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }
 
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& p) {

@@ -1,12 +1,9 @@
 // src/geometry/ray_caster.h – where lines meet a triangulated surface, and its closest points.
 //
-// Embree (single precision) only narrows the search to candidate triangles, with boxes a little too large; every
-// intersection and every closest point is computed in double precision, so that results do not depend on the
-// library's rounding. The only file that knows Embree (versions 3 and 4) is ray_caster.cpp.
+// A tree of boxes, a little too large, narrows the search to a few triangles. What is found does not depend on the tree.
 #pragma once
 #include <array>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "src/geometry/surface_mesh.h"
@@ -27,7 +24,7 @@ struct LineHit {
 
 class RayCaster {
  public:
-  struct Scene;  ///< Embree's side, private to ray_caster.cpp
+  struct Tree;  ///< private to ray_caster.cpp
 
   /// A value: it keeps the mesh, copies share it. Queries may run side by side.
   explicit RayCaster(SurfaceMesh mesh);
@@ -49,11 +46,8 @@ class RayCaster {
 
  private:
   std::shared_ptr<const SurfaceMesh> mesh_;
-  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Tree> tree_;
 };
-
-/// Version of the ray library in use, "3.13.5".
-std::string ray_library_version();
 
 /// Position of a surface point.
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& point);
