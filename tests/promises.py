@@ -82,7 +82,7 @@ with tempfile.TemporaryDirectory() as temporary:
     quiet = {"PATH": "/usr/bin:/bin", "HOME": str(top / "home"), "TMPDIR": str(top / "tmp"), "XDG_CACHE_HOME": str(top / "home/cache"),
              **{name: value for name, value in os.environ.items() if name.endswith("SAN_OPTIONS")}}
     loud = {**quiet, "LC_ALL": "de_DE.UTF-8", "LANG": "tr_TR", "LANGUAGE": "fr", "TZ": "Asia/Tokyo", "TERM": "dumb", "COLUMNS": "20",
-            "OMP_NUM_THREADS": "3", "TBB_NUM_THREADS": "3", "EMBREE_THREADS": "3", "POSIXLY_CORRECT": "1", "SOURCE_DATE_EPOCH": "1"}
+            "OMP_NUM_THREADS": "3", "TBB_NUM_THREADS": "3", "POSIXLY_CORRECT": "1", "SOURCE_DATE_EPOCH": "1"}
     before = files(top)
 
     def expect(line, new, env=quiet):

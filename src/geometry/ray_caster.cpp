@@ -139,8 +139,8 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   Box box;
   if (mesh_->vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
   for (const Vector3d& x : mesh_->vertices) box.extend(x);
-  tree_ = std::make_shared<const Tree>(
-      Tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm()});
+  tree_ =
+      std::make_shared<const Tree>(Tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm()});
 }
 
 namespace {
@@ -200,7 +200,8 @@ bool intersect(const SurfaceMesh& mesh, int t, const Vector3d& origin, const Vec
   return true;
 }
 
-/// Of all crossings with d in (from, to) the one of smallest |d|, the lowest-numbered triangle of those at the same place.
+/// Of all crossings with d in (from, to) the one of smallest |d|, the lowest-numbered triangle of those at the same
+/// place.
 LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3d& origin,
                         const Vector3d& direction, double from, double to, double min_facing) {
   thread_local std::vector<Candidate> found;

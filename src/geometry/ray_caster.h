@@ -1,6 +1,7 @@
 // src/geometry/ray_caster.h – where lines meet a triangulated surface, and its closest points.
 //
-// A tree of boxes, a little too large, narrows the search to a few triangles. What is found does not depend on the tree.
+// A tree of boxes, a little too large, narrows the search to a few triangles. What is found does not depend on the
+// tree.
 #pragma once
 #include <array>
 #include <memory>

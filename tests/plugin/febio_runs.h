@@ -261,7 +261,7 @@ inline std::vector<std::string> memory_faults(const std::string& valgrind_log) {
       continue;
     }
     const auto through = [&](const char* what) { return record.find(what) != record.npos; };
-    const bool stack = through("   at ") && (through("libfebio_dea") || through("libembree") || through("libtbb"));
+    const bool stack = through("   at ") && (through("libfebio_dea") || through("libtbb"));
     if (stack && !through("FERegisterClass_T<DeaTask>::Create")) faults.push_back(record);
     record.clear();
   }
