@@ -187,7 +187,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   c->footer(kPlotFooter);
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   add_once(*c, "-o", a.output, draws_pixels() ? "FILE.png|svg|pdf" : "FILE.svg", "Output",
-           fmt::format("Picture [the first file's name with {}, beside it]", picture_ending()));
+           fmt::format("Picture [the first file's name with {}, beside it]", picture_ending()).c_str());
   add_once(
       *c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
       "Instead of one picture, show the states one after the other: a GIF, an MP4 (by ffmpeg) or a folder of PNGs");
