@@ -38,9 +38,9 @@ const Program = (() => {
     const [code, module] = await Promise.all([unpacked("code").then((r) => r.blob()), unpacked("module").then((r) => r.arrayBuffer()).then((b) => WebAssembly.compile(b))]);
     return { url: URL.createObjectURL(new Blob([code], { type: "text/javascript" })), module };
   }
+  const kTooLarge = "The model needs more memory than a browser gives a page: 4 GB, or less on a small computer. Take the program dea for it.";
   function worded(text) {
-    if (/memory|OOM|allocation|Array buffer|ArrayBuffer|array length/i.test(text))
-      return "The model needs more memory than a browser gives a page: 4 GB, or less on a small computer. Take the program dea for it.";
+    if (/memory|OOM|allocation|Array buffer|ArrayBuffer|array length/i.test(text)) return kTooLarge;
     if (/call stack|stack overflow/i.test(text)) return `dea ran out of stack: ${text}`;
     return `dea ended without an answer: ${text}`;
   }
@@ -51,6 +51,7 @@ const Program = (() => {
     const lines = [];
     const done = new Promise((resolve) => {
       end = (answer) => { if (worker) worker.terminate(); worker = null; resolve({ lines, ...answer }); };
+      if (files.reduce((sum, { file }) => sum + file.size, 0) > 2e9) { end({ fault: kTooLarge }); return; }
       parts ??= load();
       parts.then(({ url, module }) => {
         if (!end) return;
@@ -122,7 +123,7 @@ const Files = (() => {
   function show() {
     $("files").replaceChildren(...[...all].map(([name, { file, kind }]) => make("li", {},
       make("span", { class: "name", text: name }), make("span", { class: "about", text: `${size(file.size)}, ${words[kind]}` }),
-      make("button", { class: "plain", text: "take away", "aria-label": `Take away ${name}`, onclick: () => { all.delete(name); changed(true); } }))));
+      make("button", { class: "plain", text: "take away", "aria-label": `Take away ${name}`, onclick: () => { all.delete(name); tell("files", []); changed(true); } }))));
   }
   // A name that none of them has.
   function free(stem, ending) {
@@ -238,10 +239,10 @@ const Form = (() => {
 
   // Names of the model, as suggestions.
   function suggest(info) {
-    const surfaces = info.contacts.flatMap((c) => [c.primary.surface, c.secondary.surface]), bodies = info.bodies.map((b) => b.name);
+    const surfaces = info.contacts.flatMap((c) => [c.primary?.surface, c.secondary?.surface]), bodies = info.bodies.map((b) => b.name);
     const lists = {
       BODY: [...bodies, "ground"], SURFACE: surfaces, NAME: info.contacts.map((c) => c.name),
-      MATERIAL: info.contacts.flatMap((c) => [c.primary.material, c.secondary.material]),
+      MATERIAL: info.contacts.flatMap((c) => [c.primary?.material, c.secondary?.material]),
       "NAME.PARAMETER": [...info.ligaments.flatMap((l) => [`${l.name}.stiffness`, `${l.name}.slack-length`]), ...info.cables.flatMap((c) => [`${c.name}.force`])]
     };
     for (const [kind, list] of Object.entries(lists))
@@ -282,6 +283,7 @@ const Form = (() => {
 // ---- recognise, solve, compare ----
 
 let recognising = null, solving = null, solved = null, waiting = 0, refused = false;
+const told = { files: [], info: [], run: [] };  // what is wrong, by who said it
 
 // What a run depends on.
 function asked() {
@@ -293,7 +295,10 @@ const settingsFile = () => Files.names("settings").flatMap((n) => ["--settings",
 const typedName = (name) => (name.startsWith("-") ? "./" + name : name);
 const comparing = () => !Files.model() && Files.names("result").length > 1;
 
-function faults(...lines) { $("faults").replaceChildren(...lines.filter(Boolean).map(fault)); }
+function tell(who, lines) {
+  told[who] = lines.filter(Boolean);
+  $("faults").replaceChildren(...[...new Set([...told.files, ...told.info, ...told.run])].map(fault));
+}
 function say(text) { if ($("status").textContent !== text) $("status").textContent = text; }
 
 // After every change of files or settings.
@@ -310,7 +315,8 @@ function changed(files = false) {
   clearTimeout(waiting);
   if (recognising) recognising.stop();
   recognising = null;
-  faults();
+  tell("info", []);
+  tell("run", []);
   refused = false;
   if (!Files.list.length || comparing()) { $("model").hidden = true; buttons(); return; }
   buttons();
@@ -323,18 +329,20 @@ function buttons() {
   $("progress").hidden = !solving;
 }
 
+const kLooking = "looking at the model …";
+
 async function recognise() {
   const model = Files.model(), json = Files.free("info", ".json");
   const words = ["info", typedName(model), ...Form.words("info"), ...settingsFile(), "--json", json];
   const run = Program.run(words, Files.list.filter((f) => !/\.xplt$/i.test(f.name) || f.name === model));
   recognising = run;
-  if (!solving) $("activity").textContent = "looking at the model …";
+  if (!solving) $("activity").textContent = kLooking;
   const answer = await run.done;
   if (recognising !== run) return;
   recognising = null;
-  if (!solving) $("activity").textContent = "";
+  if ($("activity").textContent === kLooking) $("activity").textContent = "";
   refused = !!answer.fault || answer.code !== 0;
-  faults(answer.fault, ...answer.lines);
+  tell("info", [answer.fault, ...answer.lines]);
   Form.mark(answer.lines?.find((l) => /^dea: --/.test(l)) || "");
   if (answer.output) {
     $("model").hidden = false;
@@ -361,7 +369,7 @@ show.last = 0;
 async function solve() {
   if (solving || refused || !Files.list.length) return;
   let words;
-  try { words = Form.words("run"); } catch (error) { faults(error.message); return; }
+  try { words = Form.words("run"); } catch (error) { tell("run", [error.message]); return; }
   const model = Files.model(), compare = comparing(), key = asked(), files = Files.list, results = Files.names("result");
   const stem = (model || results[0]).replace(/\.[^.]*$/, ""), out = (kind, ending) => typedName(Files.free(`${stem}_${kind}`, ending));
   const runWords = ["run", typedName(model), ...words, ...settingsFile(), "-o", out("dea", ".xplt"), "--json", out("dea", ".json"), "--csv", out("dea", ".csv"), "--report", out("dea", ".html")];
@@ -370,8 +378,8 @@ async function solve() {
   $("activity").textContent = "starting …";
   say(compare ? "Comparing." : "Solving.");
   show.last = performance.now();
+  tell("run", []);
   const parts = [];
-  let begin = performance.now();
   const step = async (title, list, given) => {
     solving = Program.run(list, given, show);
     buttons();
@@ -394,13 +402,12 @@ async function solve() {
   buttons();
   // what refused says why; what was shown before stays, marked as what it is
   if (run.fault || run.code > 1) {
-    faults(run.fault, ...run.lines);
+    tell("run", [run.fault, ...run.lines]);
     say("No result.");
     showAge();
     return;
   }
-  faults();
-  solved = { key, parts, seconds: (performance.now() - begin) / 1000 };
+  solved = { key, parts };
   await showResult();
 }
 
@@ -482,8 +489,8 @@ async function partElement({ title, words, code, fault: broken, lines, output, m
 
 function open(list) {
   const said = Files.add(list);
+  tell("files", said);
   changed(true);
-  if (said.length) faults(...said);
 }
 
 // The pages of results follow.
@@ -526,7 +533,7 @@ async function start() {
   });
   $("licences").closest("details").addEventListener("toggle", async () => { if (!$("licences").textContent) $("licences").textContent = await (await unpacked("licence-texts")).text(); });
   const tree = await Program.run(["completion", "json"], []).done;
-  if (tree.code !== 0) { faults(tree.fault || tree.lines.join("\n")); return; }
+  if (tree.code !== 0) { tell("run", [tree.fault, ...tree.lines]); return; }
   Form.build(JSON.parse(tree.output));
   document.documentElement.dataset.ready = "true";
   const version = await Program.run(["--version"], []).done;
