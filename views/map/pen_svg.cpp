@@ -25,8 +25,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-std::string number(double x) { return fmt::format("{:.7g}", std::round(1000.0 * x) / 1000.0 + 0.0); }
-std::string point(const Vector2d& x) { return number(x.x()) + " " + number(x.y()); }
+std::string px(double x) { return fmt::format("{:.7g}", std::round(1000.0 * x) / 1000.0 + 0.0); }
+std::string pair(const Vector2d& x) { return px(x.x()) + " " + px(x.y()); }
 
 void open_group(Pen::Sheet& sheet, const std::string& attribute) {
   sheet.elements += fmt::format("<g {}>\n", attribute);
@@ -45,8 +45,8 @@ constexpr int kWidths[] = {31, 31, 40, 63, 63, 100, 75, 22, 37, 37, 44, 66, 31, 
                            75, 69, 31, 31, 31, 53,  63, 37, 63, 63, 56, 63, 63, 31,  63, 63, 25, 25,  56,
                            25, 94, 63, 63, 63, 63,  37, 56, 31, 63, 56, 81, 56, 56,  56, 38, 29, 38,  66};
 static_assert(std::size(kWidths) == 95);
-constexpr int kOther = 63;
-constexpr double kBold = 1.07;  // times as wide
+constexpr int kOtherLetter = 63;
+constexpr double kBoldIs = 1.07;  // times as wide
 
 }  // namespace
 
@@ -68,17 +68,16 @@ double Pen::width(const std::string& text) const {
     if (c >= ' ' && c <= '~')
       hundredths += kWidths[c - ' '];
     else if ((static_cast<unsigned char>(c) & 0xC0) == 0xC0)  // the first byte of a letter
-      hundredths += kOther;
-  return 0.01 * hundredths * sheet_.look.size * (sheet_.look.bold ? kBold : 1.0);
+      hundredths += kOtherLetter;
+  return 0.01 * hundredths * sheet_.look.size * (sheet_.look.bold ? kBoldIs : 1.0);
 }
 
 void Pen::text(double x, double y, const std::string& text) {
-  sheet_.elements += svg_text(sheet_.look, fmt::format("x=\"{}\" y=\"{}\"", number(x), number(y)), text);
+  sheet_.elements += svg_text(sheet_.look, fmt::format("x=\"{}\" y=\"{}\"", px(x), px(y)), text);
 }
 
 void Pen::text_on(double x, double y, const std::string& text, const Rgb& paper) {
-  sheet_.elements +=
-      svg_text(sheet_.look, fmt::format("x=\"{}\" y=\"{}\"", number(x), number(y)), text, svg_seam(paper));
+  sheet_.elements += svg_text(sheet_.look, fmt::format("x=\"{}\" y=\"{}\"", px(x), px(y)), text, svg_seam(paper));
 }
 
 void Pen::rectangle(double x, double y, double w, double h) {
@@ -90,8 +89,8 @@ void Pen::all() {
   sheet_.elements += fmt::format("<rect width=\"100%\" height=\"100%\" fill=\"{}\"/>\n", hex(sheet_.look.colour));
 }
 
-void Pen::move_to(const Vector2d& to) { sheet_.path += "M" + point(to); }
-void Pen::line_to(const Vector2d& to) { sheet_.path += "L" + point(to); }
+void Pen::move_to(const Vector2d& to) { sheet_.path += "M" + pair(to); }
+void Pen::line_to(const Vector2d& to) { sheet_.path += "L" + pair(to); }
 void Pen::close() { sheet_.path += "Z"; }
 
 void Pen::line(const Vector2d& from, const Vector2d& to) {
@@ -107,7 +106,7 @@ void Pen::triangle(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 
 void Pen::circle(const Vector2d& center, double radius) {
   arc(center, radius, 0, kPi);
-  sheet_.path += fmt::format("A{0} {0} 0 0 1 {1}Z", number(radius), point(center + Vector2d(radius, 0)));
+  sheet_.path += fmt::format("A{0} {0} 0 0 1 {1}Z", px(radius), pair(center + Vector2d(radius, 0)));
 }
 
 void Pen::arc(const Vector2d& center, double radius, double from, double to) {
@@ -115,11 +114,11 @@ void Pen::arc(const Vector2d& center, double radius, double from, double to) {
     return Vector2d(center + radius * Vector2d(std::cos(angle), std::sin(angle)));
   };
   move_to(at_angle(from));
-  sheet_.path += fmt::format("A{0} {0} 0 {1} 1 {2}", number(radius), to - from > kPi ? 1 : 0, point(at_angle(to)));
+  sheet_.path += fmt::format("A{0} {0} 0 {1} 1 {2}", px(radius), to - from > kPi ? 1 : 0, pair(at_angle(to)));
 }
 
 void Pen::box(double x, double y, double w, double h) {
-  sheet_.path += fmt::format("M{} {}h{}v{}h{}Z", number(x), number(y), number(w), number(h), number(-w));
+  sheet_.path += fmt::format("M{} {}h{}v{}h{}Z", px(x), px(y), px(w), px(h), px(-w));
 }
 
 void Pen::stroke(double line_width) {
@@ -131,7 +130,7 @@ void Pen::stroke_first(double line_width) {
   const std::string alpha =
       sheet_.look.alpha < 1 ? fmt::format(" stroke-opacity=\"{:g}\"", sheet_.look.alpha) : std::string();
   sheet_.elements += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{}{}/>\n", sheet_.path,
-                                 hex(sheet_.look.colour), number(line_width), alpha, sheet_.dashes);
+                                 hex(sheet_.look.colour), px(line_width), alpha, sheet_.dashes);
 }
 
 void Pen::fill() {
@@ -142,7 +141,7 @@ void Pen::fill() {
 }
 
 void Pen::dashed(double dash, double gap) {
-  sheet_.dashes = fmt::format(" stroke-dasharray=\"{} {}\"", number(dash), number(gap));
+  sheet_.dashes = fmt::format(" stroke-dasharray=\"{} {}\"", px(dash), px(gap));
 }
 
 void Pen::undashed() { sheet_.dashes.clear(); }
@@ -154,12 +153,10 @@ void Pen::restore() {
   sheet_.groups.pop_back();
 }
 
-void Pen::shift(double x, double y) {
-  open_group(sheet_, fmt::format("transform=\"translate({} {})\"", number(x), number(y)));
-}
+void Pen::shift(double x, double y) { open_group(sheet_, fmt::format("transform=\"translate({} {})\"", px(x), px(y))); }
 
 void Pen::turn(double angle) {
-  open_group(sheet_, fmt::format("transform=\"rotate({})\"", number(angle * kDegreesPerRadian)));
+  open_group(sheet_, fmt::format("transform=\"rotate({})\"", px(angle * kDegreesPerRadian)));
 }
 
 void Pen::zoom(double factor) {
@@ -188,7 +185,7 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}px\" height=\"{1}px\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n{2}<!-- {3} -->\n</svg>\n",
-      number(size.width), number(size.height), sheet.elements, kPictureMark);
+      px(size.width), px(size.height), sheet.elements, kPictureMark);
 }
 
 Image drawn_image(const PaperSize&, const std::function<void(Pen&)>&) { throw UsageError(kSvgAlone); }
