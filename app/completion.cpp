@@ -1,4 +1,4 @@
-// `dea completion`: what a shell offers after the tab key, made of what --help prints.
+// `dea completion`: what a shell offers after the tab key, made of what --help prints; and the same as JSON.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "app/options.h"
 #include "io/files/output.h"
 #include "src/base/error.h"
+#include "views/data/json.h"
 
 namespace dea {
 
@@ -20,6 +21,8 @@ packages put it where the shells look. Otherwise, for one user:
   bash   dea completion bash > ~/.local/share/bash-completion/completions/dea
   zsh    dea completion zsh > FOLDER/_dea, where FOLDER is one of $fpath
   fish   dea completion fish > ~/.config/fish/completions/dea.fish
+
+With json: all commands and options, their groups, help, and the words that may be typed, for a program that offers them itself.
 
 Examples:
   dea completion bash > dea.bash     then, in a shell: source dea.bash)";
@@ -195,31 +198,43 @@ std::string fish_script(const CommandWords& program) {
   return text;
 }
 
+Json tree_json(const CommandWords& command) {
+  const auto option = [](const OptionWords& o) -> Json {
+    const ValueWords value = value_words(o.value);
+    return {{"names", o.names}, {"value", o.value},     {"words", value.words},    {"file", value.file},
+            {"help", o.help},   {"repeats", o.repeats}, {"group", o.group}};
+  };
+  return {{"name", command.name},
+          {"help", command.help},
+          {"options", list_json(command.options, option)},
+          {"commands", list_json(command.commands, tree_json)}};
+}
+
 }  // namespace
 
 const std::vector<std::string>& completion_shells() {
-  static const std::vector<std::string> shells = {"bash", "zsh", "fish"};
+  static const std::vector<std::string> shells = {"bash", "zsh", "fish", "json"};
   return shells;
 }
 
 std::string completion_script(const CommandWords& program, const std::string& shell) {
   if (shell == "bash") return bash_script(program);
   if (shell == "zsh") return zsh_script(program);
-  return fish_script(program);
+  return shell == "json" ? json_text(tree_json(program)) : fish_script(program);
 }
 
 CLI::App* add_completion(CLI::App& app, CompletionArguments& a) {
-  CLI::App* c = app.add_subcommand("completion", "Print what a shell needs to complete commands and options");
+  CLI::App* c = app.add_subcommand("completion", "Print what a shell needs to complete commands and options, or all of them as JSON");
   a.program = &app;
   c->footer(kCompletionFooter);
-  c->add_option("SHELL", a.shell, "bash, zsh or fish")->required()->type_name("");
+  c->add_option("SHELL", a.shell, "bash, zsh, fish or json")->required()->type_name("");
   return c;
 }
 
 int completion(const CompletionArguments& a) {
   const std::vector<std::string>& shells = completion_shells();
   if (std::find(shells.begin(), shells.end(), a.shell) == shells.end())
-    throw UsageError(fmt::format("completion {}: {}", a.shell, bad_value(a.shell, "bash, zsh or fish", shells).what()));
+    throw UsageError(fmt::format("completion {}: {}", a.shell, bad_value(a.shell, "bash, zsh, fish or json", shells).what()));
   print(completion_script(command_tree(*a.program), a.shell));
   return kSolved;
 }

@@ -43,6 +43,7 @@ int parse_and_run(const std::vector<std::string>& words) {
   app.footer(kFooter);
   app.set_version_flag("--version", version_text(), "Version, commit and libraries");
   app.require_subcommand(1);
+  app.allow_windows_style_options(false);  // "/models/hip.feb" is a file there too
   std::function<int()> chosen;
   const auto add = [&]<class Arguments>(CLI::App* (*options)(CLI::App&, Arguments&), int (*run)(const Arguments&)) {
     const auto arguments = std::make_shared<Arguments>();

@@ -152,7 +152,7 @@ int man(const ManArguments& a) {
       throw UsageError(fmt::format("man {} -o {}: found both, expected one: -o writes all pages", a.command, a.output));
     const std::filesystem::path folder = a.output;
     if (!std::filesystem::is_directory(folder, error) && !std::filesystem::create_directory(folder, error))
-      throw WriteError(fmt::format("{}: {}", a.output, error.message()));
+      cannot_write(a.output, error);
     std::vector<std::pair<std::string, std::string>> pages;  // path, text
     const auto add = [&](const CommandWords& command) {
       pages.emplace_back((folder / (manual_name(program, command) + ".1")).string(), manual_page(program, command));

@@ -35,7 +35,7 @@ Examples:
   dea plugin-build ~/FEBioStudio -o ~/FEBioStudio/lib -v)";
 
 /// Empty: it cannot be read.
-std::string text_of(const fs::path& path) { return whole_file(path, 1).value_or(""); }
+std::string text_of(const fs::path& path) { return whole_file(path.string(), 1).value_or(""); }
 
 /// Where the plugin's source and the library are: installed beside this program, or the folder it was built in, which
 /// has them to install.
@@ -85,7 +85,7 @@ struct Workshop {
   }
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
-  fs::path log_file() const { return path / "log.txt"; }
+  std::string log_file() const { return (path / "log.txt").string(); }
 };
 
 /// Runs a program of the path with these words, no shell between. What it prints goes to the end of `log_file`, or to
@@ -142,6 +142,7 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
 }
 
 int plugin_build(const PluginBuildArguments& a) {
+  need_programs("plugin-build");
   const int jobs = a.threads.empty() ? std::max(1, static_cast<int>(std::thread::hardware_concurrency()))
                                      : count_argument("threads", a.threads, 1, 1024);
   std::error_code error;

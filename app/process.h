@@ -1,4 +1,5 @@
-// app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
+// app/process.h – other programs, and signals: with io/files/system.h all that dea asks of the operating system. The
+// twin for Windows is process_windows.cpp, where dea starts no other program.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -9,7 +10,10 @@
 
 namespace dea {
 
-/// Is there such a program on the path?
+/// Throws UsageError where dea starts no other program: `command` cannot do without.
+void need_programs(const std::string& command);
+
+/// Is there such a program on the path, to be started?
 bool on_path(const std::string& program);
 
 /// The file that this program was started from; empty: unknown.
@@ -41,7 +45,7 @@ void kill_program(int process);
 [[nodiscard]] std::shared_ptr<void> ignore_broken_pipe();
 
 /// From here on SIGINT, SIGQUIT, SIGTERM and SIGHUP call it; one that the program was started without (nohup) stays
-/// ignored.
+/// ignored. Windows has Ctrl-C as SIGINT, Ctrl-Break as SIGTERM, the end of the console or of the session as SIGHUP.
 void handle_interrupts(void (*handler)(int signal));
 
 /// From here on a limit on file size fails the write, like a full disk, and is reported.

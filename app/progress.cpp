@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "io/files/output.h"
@@ -23,10 +21,7 @@ constexpr std::size_t kBarLength = 24, kLine = 79;
 constexpr double kCounted = 3.0;    ///< what takes longer has its seconds counted [s]
 constexpr double kPatience = 15.0;  ///< between lines that say the same but for the seconds [s]
 
-void write_error(const std::string& text) {
-  std::fputs(text.c_str(), stderr);
-  std::fflush(stderr);
-}
+void write_error(const std::string& text) { write_all(kStandardError, text); }
 
 }  // namespace
 
@@ -39,20 +34,21 @@ std::string duration(double s) {
 ProgressStyle progress_style(bool quiet, bool verbose) {
   if (quiet) return ProgressStyle::Quiet;
   if (verbose) return ProgressStyle::Every;
-  const char* terminal = std::getenv("TERM");
-  const bool dumb = terminal == nullptr || std::string_view(terminal) == "dumb";
-  return stderr_is_terminal() && !dumb ? ProgressStyle::Bar : ProgressStyle::Lines;
+  return stderr_is_terminal() ? ProgressStyle::Bar : ProgressStyle::Lines;
 }
 
 Progress::Progress(ProgressStyle style) : Progress(style, write_error, seconds) {
   if (style != ProgressStyle::Bar && style != ProgressStyle::Lines) return;
-  ticker_ = std::thread([this] {
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (!ended_) {
-      wake_.wait_for(lock, std::chrono::milliseconds(500));
-      if (!ended_) show();
-    }
-  });
+  try {
+    ticker_ = std::thread([this] {
+      std::unique_lock<std::mutex> lock(mutex_);
+      while (!ended_) {
+        wake_.wait_for(lock, std::chrono::milliseconds(500));
+        if (!ended_) show();
+      }
+    });
+  } catch (const std::system_error&) {  // no thread is to be had: seconds are counted at each step alone
+  }
 }
 
 Progress::Progress(ProgressStyle style, std::function<void(const std::string&)> write, std::function<double()> clock)

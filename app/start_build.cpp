@@ -6,6 +6,7 @@
 namespace dea {
 
 int start_build(const BuildArguments& a) {
+  need_programs("build");
   std::vector<std::string> build(a.words.begin() + 1, a.words.end());  // "build", which its own name takes the place of
   for (const std::string& program : {(own_path().parent_path() / "dea-build").string(), std::string("dea-build")}) {
     build.front() = program;

@@ -1,6 +1,6 @@
 """Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. Who words
 settings: src has no text with an option of the command line. Who reads what a model holds and moves: of src, facts
-alone. And who knows POSIX: two files, and the plugin.
+alone. And who knows the operating system: two files, their twins, and the plugin.
 
 Floors, lowest first. A file includes its own floor and those below; plugin and python never include app, nor each other."""
 import pathlib
@@ -9,7 +9,7 @@ import sys
 
 FLOORS = ["base", "model", "geometry", "build", "facts", "joint", "springs", "equilibrium", "results", "rules", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
-POSIX = {"io/files/system.cpp", "app/process.cpp"}  # who may ask the operating system
+SYSTEM = {f"{file}{twin}.cpp" for file in ("io/files/system", "app/process") for twin in ("", "_windows")}  # who may ask the operating system
 LIBRARIES = {"cairo.h", "cholmod.h", "gif_lib.h", "muParser.h", "sqlite3.h", "tinyxml2.h", "zlib.h"}  # other headers of such names are the system's
 source = pathlib.Path(sys.argv[1])
 
@@ -35,11 +35,11 @@ for file in files:
         faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
     if re.search(r"^ *# *include *<(oneapi/)?tbb/", text, re.M) and name(file) != "base/parallel.cpp":
         faults.append(f"{name(file)} includes the thread library: only src/base/parallel.cpp does")
-    if name(file) not in POSIX and not name(file).startswith("plugin/"):
+    if name(file) not in SYSTEM and not name(file).startswith("plugin/"):
         headers = re.findall(r"^ *# *include *<(csignal|(?:sys|net|netinet|arpa|linux)/[^>]+|\w+\.h)>", text, re.M)
         calls = re.findall(r"(?<![\w:>])::[a-z]\w* ?\(", re.sub(r"//.*", "", text))  # ::open(
         for found in [h for h in headers if h not in LIBRARIES] + calls:
-            faults.append(f"{name(file)} has {found}: only {' and '.join(sorted(POSIX))} know POSIX")
+            faults.append(f"{name(file)} has {found}: only {', '.join(sorted(SYSTEM))} know the operating system")
     for other in re.findall(r'^#include "(?:src/(?!version\.h))?(?!src/)([^"]+)"', text, re.M):
         if floor(other) > floor(name(file)):
             faults.append(f"{name(file)} includes {other}, which is a floor higher")

@@ -3,6 +3,7 @@
 Each command and option that --help prints is in the manual page and in the completion of every shell, and none that it does
 not print. The pages are typeset where man or mandoc is there, and the scripts are read by those shells that are there; bash's
 is used as bash does."""
+import json
 import pathlib
 import re
 import shutil
@@ -110,7 +111,7 @@ check(bash("run", "--law", "=", "li") == {"linear"} == bash("run", "--law", "li"
 check(bash("run", "--law", "=") == bash("run", "--law", ""), "bash: dea run --law=")
 check(bash("run", "hip") == set() == bash("run", "-o", "hip") == bash("run", "--rotate-about", "f"), "bash: files, by readline")
 check(bash("man", "pl") == {"plot", "plugin-build"}, "bash: dea man pl")
-check(bash("completion", "") == {"bash", "zsh", "fish"}, "bash: dea completion")
+check(bash("completion", "") == {"bash", "zsh", "fish", "json"}, "bash: dea completion")
 for command, text in help_text.items():
     names = {name for option in options_of(text) for name in option}
     offered = bash(*([command, "-"] if command else ["-"]))
@@ -120,6 +121,14 @@ for command, text in help_text.items():
     for option, value in options_of(text).items():  # no value is typed: the next word is something else
         if not value and command:
             check(bash(command, option[-1], "--hel") == {"--help"}, f"bash: dea {command} {option[-1]} --hel")
+tree = json.loads(out(dea, "completion", "json"))
+for part in (tree, *tree["commands"]):
+    command = part["name"] if part is not tree else ""
+    found, expected = {tuple(o["names"]) for o in part["options"]}, set(options_of(help_text[command]))
+    check(found == expected, f"dea completion json, dea {command}: {sorted(found ^ expected)}")
+check({c["name"] for c in tree["commands"]} == set(commands), "dea completion json: commands")
+check([(o["value"], o["words"]) for c in tree["commands"] if c["name"] == "run" for o in c["options"] if o["names"] == ["--layer-terms"]] == [("1|2", ["1", "2"])],
+      "dea completion json: words of --layer-terms")
 if shutil.which("fish"):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "dea.fish"

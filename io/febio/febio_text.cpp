@@ -46,7 +46,7 @@ bool one_of(std::string_view word, const std::vector<std::string>& words) {
 Number take_double(std::string_view& text, double& value) {
   skip_to_number(text);
   const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
+  const auto result = read_number(text.data(), end, value);
   if (result.ec == std::errc::invalid_argument) return Number::None;
   const std::string_view digits = text.substr(0, static_cast<std::size_t>(result.ptr - text.data()));
   text.remove_prefix(digits.size());

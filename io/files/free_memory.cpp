@@ -21,10 +21,10 @@ namespace fs = std::filesystem;
 
 constexpr double kBytesOfKilobyte = 1024, kMegabyte = 1024.0 * 1024.0;
 
-/// What a limit leaves beside what /proc/self/status says under `word`.
-double left_of(double limit, const std::string& word) {
-  const double taken = number_after("/proc/self/status", word) * kBytesOfKilobyte;
-  return std::max(0.0, limit - (taken < kInfinity ? taken : 0.0));
+/// What Slurm's job has beside what is taken.
+double left_of_job() {
+  const double taken = number_after("/proc/self/status", "VmRSS:") * kBytesOfKilobyte;
+  return std::max(0.0, memory_of_job() - (taken < kInfinity ? taken : 0.0));
 }
 
 /// Where the kernel says how much memory a group may take, and how much its processes hold: version 2, version 1.
@@ -74,8 +74,7 @@ int of_node(const std::string& counts, int node) {
 
 double free_memory() {
   return std::min({number_after("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte,
-                   free_of_groups("/proc/self/cgroup", "/sys/fs/cgroup"), left_of(memory_of_job(), "VmRSS:"),
-                   left_of(address_limit(), "VmSize:")});
+                   free_of_groups("/proc/self/cgroup", "/sys/fs/cgroup"), left_of_job(), memory_left()});
 }
 
 std::string gigabytes(double bytes) {

@@ -7,8 +7,6 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <cstdio>
-#include <system_error>
 #include <utility>
 
 #include "io/files/system.h"
@@ -50,7 +48,7 @@ fs::path target_of(const std::string& path) {
   const fs::path target = path;
   if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
   const fs::path last = fs::weakly_canonical(target, error);
-  if (error) cannot_write(path, error.value());
+  if (error) cannot_write(path, error);
   return last;
 }
 
@@ -73,15 +71,11 @@ void write_beside(const std::string& path, const fs::path& target, const std::fu
   if (file < 0) cannot_write(path, errno);
   const Temporary temporary(name);
   write_and_close(file, path, write);
-  std::error_code error;
-  fs::rename(name, target, error);
-  if (error) cannot_write(path, error.value());
+  if (const int why = replace_file(temporary.path, target.string())) cannot_write(path, why);
 }
 
 void write_stdout(const std::string& text) {
-  errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    cannot_write("standard output", errno);
+  if (const int why = write_all(kStandardOutput, text)) cannot_write("standard output", why);
 }
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -118,24 +112,18 @@ std::string holder_of(int file) {
 
 /// The open file, locked; -1: there are no locks here.
 int take_lock(const fs::path& path, const NamedPath& output) {
-  for (;;) {
-    int file = open_file(path.string(), OpenAs::Shared);
-    if (file < 0 && errno == EACCES) file = open_file(path.string(), OpenAs::Reading);  // somebody else left it behind
-    if (file < 0) {
-      const int why = errno;
-      const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-      if (may_fill(folder.string())) return -1;
-      cannot_write(output.path, why);
-    }
-    const Lock lock = lock_file(file);
-    if (lock == Lock::Taken && is_named(file, path.string())) return file;  // its holder takes the name away at its end
-    const std::string holder = lock == Lock::OfAnother ? holder_of(file) : "";
-    close_file(file);
-    if (lock == Lock::Impossible) return -1;
-    if (lock == Lock::OfAnother)
-      throw WriteError(fmt::format("{}: another run{} is at work on it; wait for its end, or give {} another name",
-                                   output.path, holder, output.option));
+  const LockedFile taken = lock_file(path.string());
+  if (taken.lock == Lock::Taken) return taken.file;
+  if (taken.lock == Lock::Impossible) {
+    const int why = errno;
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (may_fill(folder.string())) return -1;
+    cannot_write(output.path, why);
   }
+  const std::string holder = taken.file < 0 ? "" : holder_of(taken.file);
+  if (taken.file >= 0) close_file(taken.file);
+  throw WriteError(fmt::format("{}: another run{} is at work on it; wait for its end, or give {} another name",
+                               output.path, holder, output.option));
 }
 
 /// A file, a folder or a new name: what lies where there is room for results. No device, pipe or standard output.
@@ -189,6 +177,7 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
       throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
     const fs::file_status status = fs::status(path, error);
     if (!output.folder && fs::is_directory(status)) throw WriteError(fmt::format("{}: is a folder", output.path));
+    if (fs::is_regular_file(status) && !may_replace(path.string())) cannot_write(output.path, errno);
     if (output.folder && fs::exists(status) && !fs::is_directory(status))
       throw WriteError(fmt::format("{}: is a file, expected a folder or a new name", output.path));
     if (output.folder && fs::is_directory(status) && !may_fill(path.string())) cannot_write(output.path, errno);
@@ -241,7 +230,7 @@ void write_folder(const std::string& path, const std::function<bool(const std::s
   const std::string name = target.filename().string();
   const fs::path folder = target.parent_path() / fmt::format(".{}.{}.tmp", name, process_id());
   const fs::path aside = target.parent_path() / fmt::format(".{}.{}.old", name, process_id());
-  if (!fs::create_directory(folder, error)) cannot_write(path, error.value());
+  if (!fs::create_directory(folder, error)) cannot_write(path, error);
   const Temporary temporary(folder);
   std::deque<Temporary> files;
   write([&](const std::string& file_name, const std::string& text) {
@@ -254,7 +243,7 @@ void write_folder(const std::string& path, const std::function<bool(const std::s
   if (there) fs::rename(target, aside, error);
   if (!error) fs::rename(folder, target, error);
   if (error) {
-    const int why = error.value();
+    const std::error_code why = error;
     if (fs::exists(aside, error)) fs::rename(aside, target, error);
     cannot_write(path, why);
   }
@@ -335,14 +324,20 @@ void cannot_write(const std::string& path, int error) {
   throw WriteError(fmt::format("{}: {}", path, reason_of(error)));
 }
 
+void cannot_write(const std::string& path, const std::error_code& error) {
+  throw WriteError(fmt::format("{}: {}", path, reason_of(error)));
+}
+
 void print(const std::string& text) { write_stdout(printable(text)); }
 
-void log(const std::string& line) { std::fputs((message_line(line) + "\n").c_str(), stderr); }
+void log(const std::string& line) { write_all(kStandardError, message_line(line) + "\n"); }
 
 std::string default_output(const std::string& model, const std::string& extension) {
   const fs::path path = model;
   return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
 }
+
+bool is_separator(char c) { return c == '/' || c == static_cast<char>(fs::path::preferred_separator); }
 
 std::string without_slash(const std::string& folder) {
   const fs::path path = folder;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace dea {
@@ -91,6 +92,7 @@ class Spool {
 
 /// Throws WriteError: what the system says of `error`, errno.
 [[noreturn]] void cannot_write(const std::string& path, int error);
+[[noreturn]] void cannot_write(const std::string& path, const std::error_code& error);
 
 /// Text for people, made printable (names.h), on standard output. Throws WriteError when that took not all of it.
 void print(const std::string& text);
@@ -100,6 +102,9 @@ void log(const std::string& line);
 
 /// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.
 std::string default_output(const std::string& model, const std::string& extension = ".xplt");
+
+/// Does it stand between a folder and a name in it?
+bool is_separator(char c);
 
 /// "results/" is the folder "results".
 std::string without_slash(const std::string& folder);

@@ -9,6 +9,8 @@
 #include <limits>
 #include <system_error>
 
+#include "io/files/system.h"
+
 namespace dea {
 
 namespace {
@@ -18,11 +20,12 @@ constexpr int kPatience = 10000;  // ms
 /// `left`: errno after the call; SQLite does not always keep it.
 std::string reason(sqlite3* handle, int code, int left) {
   const int kind = code & 0xff, kept = handle != nullptr ? sqlite3_system_errno(handle) : 0;
-  const bool of_writing = left == EFBIG || left == ENOSPC || left == EDQUOT || left == EIO;
-  const int system = kept != 0 ? kept : of_writing ? left : 0;
+  const std::error_code of_system =
+      kept != 0 ? std::error_code(kept, std::system_category())
+                : std::error_code(failed_to_write(left) ? left : 0, std::generic_category());
   if (kind == SQLITE_NOTADB) return "found no SQLite database";
   if (kind == SQLITE_CORRUPT) return "found a damaged database";
-  if ((kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN) && system != 0) return std::generic_category().message(system);
+  if ((kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN) && of_system) return reason_of(of_system);
   return handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code);
 }
 

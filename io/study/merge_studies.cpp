@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <map>
 
+#include "io/files/output.h"
+#include "io/files/system.h"
 #include "io/study/read_study.h"
 #include "io/study/study_schema.h"
 #include "src/base/error.h"
@@ -90,8 +92,7 @@ MergedStudies merge_studies(const std::vector<std::string>& paths, const std::st
       copy_all(heads, to);
     }
     std::filesystem::remove(output + "-journal", error);
-    std::filesystem::rename(part, output, error);
-    if (error) throw WriteError(fmt::format("{}: {}", output, error.message()));
+    if (const int why = replace_file(part, output)) cannot_write(output, why);
   } catch (const std::exception& fault) {
     for (const char* end : {"", "-journal"}) std::filesystem::remove(part + end, error);
     if (dynamic_cast<const DatabaseBusy*>(&fault) != nullptr)

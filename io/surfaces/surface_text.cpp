@@ -8,6 +8,7 @@
 
 #include "src/base/error.h"
 #include "src/base/names.h"
+#include "src/base/parse.h"
 
 namespace dea {
 
@@ -43,7 +44,7 @@ double SurfaceText::next_number(const char* what) {
   if (word.empty()) refuse_end(what);
   if (word.front() == '+') word.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = read_number(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range && word.find("e-") != std::string_view::npos) return 0.0;  // tiny
   if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
     refuse(fmt::format("found \"{}\", expected a number ({})", shown(word), what));

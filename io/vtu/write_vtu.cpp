@@ -316,11 +316,11 @@ void write_files(const std::string& folder, const std::vector<float>& times,
   };
   const fs::path target = folder;
   const bool made = fs::create_directory(target, error);  // false, without an error: it is there
-  if (error) fail(target, error.message());
+  if (error) fail(target, reason_of(error));
   try {
     const fs::path own = target / fmt::format(".dea-{}.tmp", process_id());
     if (!fs::create_directory(own, error))
-      fail(target, error ? error.message() : fmt::format("{} is in the way", own.filename().string()));
+      fail(target, error ? reason_of(error) : fmt::format("{} is in the way", own.filename().string()));
     const Temporary temporary(own);
 
     std::vector<std::string> names;
@@ -341,8 +341,8 @@ void write_files(const std::string& folder, const std::vector<float>& times,
     }
     add("results.pvd", [&](const PutPiece& put) { put(pvd(times)); });
     for (const std::string& name : names) {
-      fs::rename(own / name, target / name, error);
-      if (error) fail(target / name, error.message());
+      const int why = replace_file((own / name).string(), (target / name).string());
+      if (why != 0) fail(target / name, reason_of(why));
     }
   } catch (...) {
     if (made) fs::remove(target, error);  // only when it is empty

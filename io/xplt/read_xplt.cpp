@@ -6,7 +6,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -74,7 +73,7 @@ std::uint32_t u32_at(const Source& source, std::size_t at) {
   return value << 24 | (value & 0xFF00) << 8 | (value >> 8 & 0xFF00) | value >> 24;
 }
 int int_at(const Source& source, std::size_t at) { return static_cast<int>(u32_at(source, at)); }
-float float_at(const Source& source, std::size_t at) { return std::bit_cast<float>(u32_at(source, at)); }
+float float_at(const Source& source, std::size_t at) { return float_of(u32_at(source, at)); }
 
 // The child of a branch that starts at `at`, and `at` moved behind it.
 bool next_chunk(const Chunk& branch, std::size_t& at, Chunk& child) {
@@ -115,7 +114,7 @@ std::uint32_t read_u32(const Chunk& leaf) {
   return u32_at(*leaf.source, leaf.begin);
 }
 int read_int(const Chunk& leaf) { return static_cast<int>(read_u32(leaf)); }
-float read_float(const Chunk& leaf) { return std::bit_cast<float>(read_u32(leaf)); }
+float read_float(const Chunk& leaf) { return float_of(read_u32(leaf)); }
 
 int read_count(const Chunk& leaf) {
   const int count = read_int(leaf);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -225,7 +224,7 @@ void put(std::string& bytes, std::uint32_t number) {
   bytes.append(little_endian, 4);
 }
 void put(std::string& bytes, int number) { put(bytes, static_cast<std::uint32_t>(number)); }
-void put(std::string& bytes, float number) { put(bytes, std::bit_cast<std::uint32_t>(number)); }
+void put(std::string& bytes, float number) { put(bytes, bits_of(number)); }
 
 // A chunk of what is put into `bytes` while it lives. Its size is known only at its end, so it leaves a gap before.
 class OpenChunk {

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,18 @@
 #include "src/model/joint_model.h"
 
 namespace dea {
+
+/// A float of the file and its bytes as a number.
+inline float float_of(std::uint32_t bits) {
+  float number;
+  std::memcpy(&number, &bits, sizeof(number));
+  return number;
+}
+inline std::uint32_t bits_of(float number) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &number, sizeof(bits));
+  return bits;
+}
 
 enum class XpltType { Float = 0, Vec3 = 1, Mat3s = 2, Mat3d = 3, Tens4s = 4, Mat3 = 5, Array = 6, ArrayVec3 = 7 };
 enum class XpltFormat { Node = 0, Item = 1, Mult = 2, Region = 3 };

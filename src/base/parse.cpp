@@ -3,11 +3,61 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 
 namespace dea {
+
+namespace {
+
+/// The same by strtod, which takes more: white space, a plus sign, hexadecimal digits; and takes no end.
+template <class Number>
+std::from_chars_result by_strtod(const char* begin, const char* end, Number& number) {
+  const std::string word(begin, std::find_if(begin, end, [](char c) { return c == ',' || c <= ' '; }));
+  const char* digits = word.c_str() + (word[0] == '-' ? 1 : 0);
+  if (*digits == '\0' || (std::isalnum(static_cast<unsigned char>(*digits)) == 0 && *digits != '.'))
+    return {begin, std::errc::invalid_argument};
+  char* rest = nullptr;
+  Number read = 0;
+  if (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')) {  // a nought, and then a letter
+    if (digits != word.c_str()) read = -read;
+    rest = const_cast<char*>(digits) + 1;
+  } else {
+    read = static_cast<Number>(sizeof(Number) == sizeof(float) ? std::strtof(word.c_str(), &rest)
+                                                               : std::strtod(word.c_str(), &rest));
+  }
+  if (rest == word.c_str()) return {begin, std::errc::invalid_argument};
+  const std::from_chars_result taken = {begin + (rest - word.c_str()), std::errc()};
+  // beyond all numbers, or between the least one and zero
+  const bool is_word = std::isalpha(static_cast<unsigned char>(*digits)) != 0;
+  const char* mantissa_end =
+      std::find_if(digits, static_cast<const char*>(rest), [](char c) { return c == 'e' || c == 'E'; });
+  const bool is_zero = std::all_of(digits, mantissa_end, [](char c) { return c == '0' || c == '.'; });
+  if (!is_word && (std::isinf(read) || (read == 0 && !is_zero))) return {taken.ptr, std::errc::result_out_of_range};
+  number = read;
+  return taken;
+}
+
+template <class Number>
+std::from_chars_result read(const char* begin, const char* end, Number& number) {
+  if constexpr (requires { std::from_chars(begin, end, number); })
+    return std::from_chars(begin, end, number);
+  else
+    return by_strtod(begin, end, number);
+}
+
+}  // namespace
+
+std::from_chars_result read_number(const char* begin, const char* end, double& number) {
+  return read(begin, end, number);
+}
+std::from_chars_result read_number(const char* begin, const char* end, float& number) {
+  return read(begin, end, number);
+}
 
 BadValue bad_value(const std::string& found, const std::string& expected, const std::vector<std::string>& words) {
   return BadValue(fmt::format("found \"{}\"{}, expected {}", found, did_you_mean(found, words), expected));
@@ -36,7 +86,7 @@ double parse_number(const std::string& text) {
   const char* end = begin + word.size();
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') ++begin;  // from_chars knows no plus sign
   double number = 0.0;
-  const auto result = std::from_chars(begin, end, number);
+  const auto result = read_number(begin, end, number);
   const bool large =
       result.ec == std::errc::result_out_of_range || (std::isfinite(number) && std::abs(number) > kLargestNumber);
   if (large && result.ptr == end) throw bad_value(text, "a number of at most 1e30");

@@ -1,6 +1,7 @@
 // src/base/parse.h – values as a user writes them: the whole text must be one, in any locale.
 #pragma once
 #include <Eigen/Core>
+#include <charconv>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,6 +18,10 @@ BadValue bad_value(const std::string& found, const std::string& expected, const 
 
 /// The largest number of a model, a table or a setting: its square and cube are numbers, too.
 inline constexpr double kLargestNumber = 1e30;
+
+/// std::from_chars, which some standard libraries have for whole numbers alone.
+std::from_chars_result read_number(const char* begin, const char* end, double& number);
+std::from_chars_result read_number(const char* begin, const char* end, float& number);
 
 /// 1,5 where 1.5 is meant.
 bool has_decimal_comma(const std::string& text);

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "src/base/numbers.h"
+#include "src/base/parse.h"
 
 namespace dea {
 
@@ -14,7 +14,7 @@ namespace {
 template <class Number>
 Number number_of(const std::string& text) {
   Number number = 0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
+  read_number(text.data(), text.data() + text.size(), number);
   return number;
 }
 

@@ -47,7 +47,7 @@ void trace(Pen& pen, const Placing& place, const std::vector<Polyline>& lines, d
       if (points.empty() || p != points.back()) points.push_back(p);
     }
     if (points.empty()) continue;
-    cairo_move_to(pen.get(), points[0].x(), points[0].y());
+    pen.move_to(points[0]);
     for (std::size_t from = 0, to = 1; to < points.size(); ++to) {
       if (to + 1 < points.size() && to - from < 50) {
         bool straight = true;
@@ -55,10 +55,10 @@ void trace(Pen& pen, const Placing& place, const std::vector<Polyline>& lines, d
           straight = distance_to_chord(points[k], points[from], points[to + 1]) <= tolerance;
         if (straight) continue;
       }
-      cairo_line_to(pen.get(), points[to].x(), points[to].y());
+      pen.line_to(points[to]);
       from = to;
     }
-    if (line.closed) cairo_close_path(pen.get());
+    if (line.closed) pen.close();
   }
 }
 
@@ -67,7 +67,7 @@ void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, 
   if (outline.empty()) return;
   trace(pen, place, outline, tolerance);
   pen.use(colour);
-  cairo_fill(pen.get());
+  pen.fill();
 }
 
 /// 0 at the low end of the scale, 1 at the high one.
@@ -135,8 +135,7 @@ void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, cons
 /// Black on white, or white on black: to be seen on every colour.
 void stroke_marker(Pen& pen, double size) {
   pen.use({1, 1, 1});
-  cairo_set_line_width(pen.get(), 4.0 * size);
-  cairo_stroke_preserve(pen.get());
+  pen.stroke_first(4.0 * size);
   pen.use({0, 0, 0});
   pen.stroke(1.6 * size);
 }
@@ -228,8 +227,7 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
     pen.circle(middle, circle_radius(s, angle) * place.scale);
     pen.dashed(1.0, 4.0);
     pen.use({1, 1, 1}, 0.6);
-    cairo_set_line_width(pen.get(), 2.2);
-    cairo_stroke_preserve(pen.get());
+    pen.stroke_first(2.2);
     pen.use({0, 0, 0}, 0.9);
     pen.stroke(1.0);
     pen.undashed();
@@ -374,7 +372,7 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
   const auto arrow = [&](double base, double tip, const Rgb& c) {
     pen.triangle({x, base}, {x + kBarWidth, base}, {x + 0.5 * kBarWidth, tip});
     pen.use(c);
-    cairo_fill(pen.get());
+    pen.fill();
   };
   if (figure.beyond_high) arrow(y, y - 12, band_colour(figure.map, kBands - 1));
   if (figure.beyond_low) arrow(y + height, y + height + 12, band_colour(figure.map, 0));
@@ -393,12 +391,12 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
   const double shrink = std::min(1.0, (bottom - top) / longest);
   const double middle = std::clamp(y + 0.5 * height, top + 0.5 * shrink * longest, bottom - 0.5 * shrink * longest);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    cairo_save(pen.get());
-    cairo_translate(pen.get(), title_x + 0.75 * kText + static_cast<double>(k) * kBarLine, middle);
-    cairo_rotate(pen.get(), -0.5 * kPi);
+    pen.save();
+    pen.shift(title_x + 0.75 * kText + static_cast<double>(k) * kBarLine, middle);
+    pen.turn(-0.5 * kPi);
     pen.font(kText * shrink);
     pen.text(-0.5 * pen.width(lines[k]), 0, lines[k]);
-    cairo_restore(pen.get());
+    pen.restore();
   }
   pen.font(kText);
 }
@@ -490,7 +488,7 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
     return [&paper, c](Pen& pen, const Vector2d& p) {
       pen.use(c);
       pen.rectangle(p.x() + 1, p.y() - 7, 14, 14);
-      cairo_rectangle(pen.get(), p.x() + 1, p.y() - 7, 14, 14);
+      pen.box(p.x() + 1, p.y() - 7, 14, 14);
       pen.use(paper.line);
       pen.stroke(0.8);
     };
@@ -604,7 +602,7 @@ void draw_footer(Pen& pen, const MapFigure& figure, const Layout& l, const Paper
 
 void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper) {
   pen.use(paper.background);
-  cairo_paint(pen.get());
+  pen.all();
   if (!figure.title.empty()) {
     pen.font(kTitle, true);
     pen.use(paper.text);
@@ -669,7 +667,7 @@ auto laid_out(const MapFigure& figure, const PictureOptions& options, const OnPa
   const double letters = letter_scale(options);
   const PaperSize size = {options.format, letters * layout.width, letters * layout.height, options.dpi, options.text};
   return on_paper(size, [&](Pen& pen) {
-    cairo_scale(pen.get(), letters, letters);
+    pen.zoom(letters);
     draw(pen, figure, layout, colours);
   });
 }

@@ -41,7 +41,7 @@ void circle(Pen& pen, const Square& square, const Vector2d& center, double radiu
 
 void dot(Pen& pen, const Square& square, const Vector2d& x, double radius) {
   pen.circle(square(x), radius);
-  cairo_fill(pen.get());
+  pen.fill();
 }
 
 /// Words on a white ground, their middle at x.
@@ -74,7 +74,7 @@ void ends(Pen& pen, const Square& square, const std::string& left, const std::st
 
 void frame_of(Pen& pen, const Square& square) {
   pen.use({0.8, 0.8, 0.8});
-  cairo_rectangle(pen.get(), square.left, square.top, kPanel, kPanel);
+  pen.box(square.left, square.top, kPanel, kPanel);
   pen.stroke(1);
 }
 
@@ -92,8 +92,7 @@ void draw_edge_angle(Pen& pen, const Square& square, const Vector2d& edge, doubl
   pen.stroke(1.6);
   const Vector2d c = square(center);
   const double up = -kPi / 2, to = up + angle / kDegreesPerRadian;
-  cairo_new_sub_path(pen.get());
-  cairo_arc(pen.get(), c.x(), c.y(), square.length(0.6 * radius), std::min(up, to), std::max(up, to));
+  pen.arc(c, square.length(0.6 * radius), std::min(up, to), std::max(up, to));
   pen.stroke(1.6);
   dot(pen, square, center, 2.5);
   dot(pen, square, edge, 4);
@@ -110,9 +109,8 @@ void draw_roof(Pen& pen, const Square& square, const Vector2d& end, const Vector
 
 void draw_section(Pen& pen, const Square& square, const HipSection& section, const HipMeasures& m, double angle,
                   const char* word) {
-  cairo_save(pen.get());
-  cairo_rectangle(pen.get(), square.left, square.top, kPanel, kPanel);
-  cairo_clip(pen.get());
+  pen.save();
+  pen.clip(square.left, square.top, kPanel, kPanel);
   for (const auto& piece : section.head_lines) line(pen, square, piece[0], piece[1]);
   pen.use(kFemur);
   pen.stroke(1.6);
@@ -135,7 +133,7 @@ void draw_section(Pen& pen, const Square& square, const HipSection& section, con
   }
   if (section.roof_end)
     label(pen, square, {0.0, -0.5 * m.head.radius}, fmt::format("AI {}", degrees(m.acetabular_index)), kRoofLine);
-  cairo_restore(pen.get());
+  pen.restore();
   frame_of(pen, square);
 }
 

@@ -2,21 +2,34 @@
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
+#include <cairo.h>
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 
 #include "io/files/encoded_text.h"
-#include "io/files/output.h"
 #include "io/results/existing_file.h"
-#include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "views/map/svg_text.h"
 
 namespace dea {
+
+struct Pen::Sheet {
+  explicit Sheet(cairo_surface_t* surface) : cairo(cairo_create(surface), cairo_destroy) {
+    cairo_set_line_join(get(), CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(get(), CAIRO_LINE_CAP_ROUND);
+  }
+  cairo_t* get() const { return cairo.get(); }
+
+  std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo;
+  SvgText look = {};                ///< of texts
+  std::string* elements = nullptr;  ///< texts are not drawn, but added to them as <text> of SVG
+};
 
 namespace {
 
@@ -70,50 +83,24 @@ SurfaceHolder pixels(const PaperSize& size) {
 void draw_on(cairo_surface_t* surface, double zoom, const std::function<void(Pen&)>& draw,
              std::string* texts = nullptr) {
   require(cairo_surface_status(surface));
-  Pen pen(surface);
-  pen.keep_texts(texts);
-  cairo_scale(pen.get(), zoom, zoom);
+  Pen::Sheet sheet(surface);
+  sheet.elements = texts;
+  cairo_scale(sheet.get(), zoom, zoom);
   // Outlines of letters, not of pixels: the same shapes on every paper.
   cairo_font_options_t* fonts = cairo_font_options_create();
   cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
   cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
   cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
-  cairo_set_font_options(pen.get(), fonts);
+  cairo_set_font_options(sheet.get(), fonts);
   cairo_font_options_destroy(fonts);
+  Pen pen(sheet);
   draw(pen);
-  require(cairo_status(pen.get()));
+  require(cairo_status(sheet.get()));
 }
 
-}  // namespace
-
-Pen::Pen(cairo_surface_t* surface) : cairo_(cairo_create(surface), cairo_destroy) {
-  cairo_set_line_join(get(), CAIRO_LINE_JOIN_ROUND);
-  cairo_set_line_cap(get(), CAIRO_LINE_CAP_ROUND);
-}
-
-void Pen::use(const Rgb& c, double alpha) {
-  colour_ = c;
-  alpha_ = alpha;
-  cairo_set_source_rgba(get(), c.r, c.g, c.b, alpha);
-}
-
-void Pen::font(double size, bool bold) {
-  size_ = size;
-  bold_ = bold;
-  cairo_select_font_face(get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(get(), size);
-}
-
-double Pen::width(const std::string& text) const {
-  cairo_text_extents_t e;
-  cairo_text_extents(get(), utf8(text).c_str(), &e);
-  return e.x_advance;
-}
-
-void Pen::add_element(double x, double y, const std::string& text, const std::string& more) const {
+void add_element(const Pen::Sheet& sheet, double x, double y, const std::string& text, const std::string& more) {
   cairo_matrix_t m;
-  cairo_get_matrix(get(), &m);
+  cairo_get_matrix(sheet.get(), &m);
   std::string place;
   if (m.xy == 0 && m.yx == 0 && m.xx == 1 && m.yy == 1) {
     place = fmt::format("x=\"{:.7g}\" y=\"{:.7g}\"", x + m.x0, y + m.y0);
@@ -122,79 +109,121 @@ void Pen::add_element(double x, double y, const std::string& text, const std::st
     place =
         fmt::format("transform=\"matrix({:.7g} {:.7g} {:.7g} {:.7g} {:.7g} {:.7g})\"", m.xx, m.yx, m.xy, m.yy, x, y);
   }
-  std::string escaped;
-  for (char c : utf8(text)) {
-    if (c == '&' || c == '<' || c == '>')
-      escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : "&gt;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      escaped += c;
-  }
-  *elements_ += fmt::format("<text {} font-size=\"{:.7g}\"{} fill=\"{}\"{}{}>{}</text>\n", place, size_,
-                            bold_ ? " font-weight=\"bold\"" : "", hex(colour_),
-                            alpha_ < 1 ? fmt::format(" fill-opacity=\"{:g}\"", alpha_) : "", more, escaped);
+  *sheet.elements += svg_text(sheet.look, place, text, more);
+}
+
+}  // namespace
+
+bool draws_pixels() { return true; }
+
+void Pen::use(const Rgb& c, double alpha) {
+  sheet_.look.colour = c;
+  sheet_.look.alpha = alpha;
+  cairo_set_source_rgba(sheet_.get(), c.r, c.g, c.b, alpha);
+}
+
+void Pen::font(double size, bool bold) {
+  sheet_.look.size = size;
+  sheet_.look.bold = bold;
+  cairo_select_font_face(sheet_.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(sheet_.get(), size);
+}
+
+double Pen::width(const std::string& text) const {
+  cairo_text_extents_t e;
+  cairo_text_extents(sheet_.get(), utf8(text).c_str(), &e);
+  return e.x_advance;
 }
 
 void Pen::text_on(double x, double y, const std::string& text, const Rgb& paper) {
-  const Rgb ink = colour_;
-  if (elements_ != nullptr) {
-    add_element(x, y, text,
-                fmt::format(" stroke=\"{}\" stroke-opacity=\"0.85\" stroke-width=\"3.5\" stroke-linejoin=\"round\" "
-                            "paint-order=\"stroke\"",
-                            hex(paper)));
+  const Rgb ink = sheet_.look.colour;
+  if (sheet_.elements != nullptr) {
+    add_element(sheet_, x, y, text, svg_seam(paper));
     return;
   }
-  cairo_move_to(get(), x, y);
-  cairo_text_path(get(), utf8(text).c_str());
+  cairo_move_to(sheet_.get(), x, y);
+  cairo_text_path(sheet_.get(), utf8(text).c_str());
   use(paper, 0.85);
-  cairo_set_line_width(get(), 3.5);
-  cairo_stroke_preserve(get());
+  stroke_first(3.5);
   use(ink);
-  cairo_fill(get());
+  fill();
 }
 
 void Pen::text(double x, double y, const std::string& text) {
-  if (elements_ != nullptr) {
-    add_element(x, y, text, "");
+  if (sheet_.elements != nullptr) {
+    add_element(sheet_, x, y, text, "");
     return;
   }
-  cairo_move_to(get(), x, y);
-  cairo_show_text(get(), utf8(text).c_str());
+  cairo_move_to(sheet_.get(), x, y);
+  cairo_show_text(sheet_.get(), utf8(text).c_str());
 }
 
 void Pen::rectangle(double x, double y, double w, double h) {
-  cairo_rectangle(get(), x, y, w, h);
-  cairo_fill(get());
+  box(x, y, w, h);
+  fill();
 }
 
-void Pen::stroke(double line_width) {
-  cairo_set_line_width(get(), line_width);
-  cairo_stroke(get());
-}
+void Pen::all() { cairo_paint(sheet_.get()); }
+
+void Pen::move_to(const Eigen::Vector2d& to) { cairo_move_to(sheet_.get(), to.x(), to.y()); }
+void Pen::line_to(const Eigen::Vector2d& to) { cairo_line_to(sheet_.get(), to.x(), to.y()); }
+void Pen::close() { cairo_close_path(sheet_.get()); }
 
 void Pen::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  cairo_move_to(get(), from.x(), from.y());
-  cairo_line_to(get(), to.x(), to.y());
+  move_to(from);
+  line_to(to);
 }
 
 void Pen::triangle(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   line(a, b);
-  cairo_line_to(get(), c.x(), c.y());
-  cairo_close_path(get());
+  line_to(c);
+  close();
 }
 
-void Pen::circle(const Eigen::Vector2d& center, double radius) {
-  cairo_new_sub_path(get());
-  cairo_arc(get(), center.x(), center.y(), radius, 0, 2 * kPi);
+void Pen::circle(const Eigen::Vector2d& center, double radius) { arc(center, radius, 0, 2 * kPi); }
+
+void Pen::arc(const Eigen::Vector2d& center, double radius, double from, double to) {
+  cairo_new_sub_path(sheet_.get());
+  cairo_arc(sheet_.get(), center.x(), center.y(), radius, from, to);
 }
+
+void Pen::box(double x, double y, double w, double h) { cairo_rectangle(sheet_.get(), x, y, w, h); }
+
+void Pen::stroke(double line_width) {
+  cairo_set_line_width(sheet_.get(), line_width);
+  cairo_stroke(sheet_.get());
+}
+
+void Pen::stroke_first(double line_width) {
+  cairo_set_line_width(sheet_.get(), line_width);
+  cairo_stroke_preserve(sheet_.get());
+}
+
+void Pen::fill() { cairo_fill(sheet_.get()); }
 
 void Pen::dashed(double dash, double gap) {
   const double dashes[] = {dash, gap};
-  cairo_set_dash(get(), dashes, 2, 0.0);
+  cairo_set_dash(sheet_.get(), dashes, 2, 0.0);
+}
+
+void Pen::undashed() { cairo_set_dash(sheet_.get(), nullptr, 0, 0.0); }
+
+void Pen::save() { cairo_save(sheet_.get()); }
+void Pen::restore() { cairo_restore(sheet_.get()); }
+void Pen::shift(double x, double y) { cairo_translate(sheet_.get(), x, y); }
+void Pen::turn(double angle) { cairo_rotate(sheet_.get(), angle); }
+void Pen::zoom(double factor) { cairo_scale(sheet_.get(), factor, factor); }
+
+void Pen::clip(double x, double y, double w, double h) {
+  box(x, y, w, h);
+  cairo_clip(sheet_.get());
 }
 
 void measured(const std::function<void(Pen&)>& measure) {
   const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
-  Pen pen(probe.get());
+  Pen::Sheet sheet(probe.get());
+  Pen pen(sheet);
   measure(pen);
 }
 
@@ -248,14 +277,6 @@ Image drawn_image(const PaperSize& size, const std::function<void(Pen&)>& draw) 
       for (const int shift : {16, 8, 0}) image.rgb.push_back(static_cast<std::uint8_t>(pixel >> shift & 0xFF));
     }
   return image;
-}
-
-PictureFormat picture_format(const std::string& option, const std::string& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".png") return PictureFormat::Png;
-  if (extension == ".svg") return PictureFormat::Svg;
-  if (extension == ".pdf") return PictureFormat::Pdf;
-  throw UsageError(wrong_ending(option, path, ".png, .svg or .pdf", ".png"));
 }
 
 }  // namespace dea

@@ -1,10 +1,8 @@
-// views/map/pen.h – Cairo's pens and papers. The only header that includes Cairo.
+// views/map/pen.h – pens and papers: Cairo's (pen.cpp, which alone includes it), or text of SVG where there is no Cairo
+// (pen_svg.cpp).
 #pragma once
-#include <cairo.h>
-
 #include <Eigen/Core>
 #include <functional>
-#include <memory>
 #include <string>
 
 #include "views/map/colour_map.h"
@@ -15,8 +13,8 @@ namespace dea {
 /// Lengths on paper are in pixels of 1/96 inch, as in SVG; y is downwards.
 class Pen {
  public:
-  explicit Pen(cairo_surface_t* surface);
-  cairo_t* get() const { return cairo_.get(); }
+  struct Sheet;  ///< what is drawn on, and with what
+  explicit Pen(Sheet& sheet) : sheet_(sheet) {}
 
   void use(const Rgb& colour, double alpha = 1.0);
   void font(double size, bool bold = false);
@@ -24,27 +22,37 @@ class Pen {
   void text(double x, double y, const std::string& text);
   /// Amid lines and colours: on a seam of the colour of the paper.
   void text_on(double x, double y, const std::string& text, const Rgb& paper);
-  void rectangle(double x, double y, double w, double h);
-  void stroke(double line_width);
-  // To be stroked or filled.
+  void rectangle(double x, double y, double w, double h);  ///< filled
+  void all();                                              ///< the paper, filled
+
+  // The path: to be stroked or filled, which ends it.
+  void move_to(const Eigen::Vector2d& to);
+  void line_to(const Eigen::Vector2d& to);
+  void close();
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void triangle(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);
   void circle(const Eigen::Vector2d& center, double radius);
+  /// Clockwise as seen, from one angle [rad] to a larger one; 0 is to the right.
+  void arc(const Eigen::Vector2d& center, double radius, double from, double to);
+  void box(double x, double y, double w, double h);
+  void stroke(double line_width);
+  void stroke_first(double line_width);  ///< and the path is still there
+  void fill();
+
   /// Strokes from here on.
   void dashed(double dash, double gap);
-  void undashed() { cairo_set_dash(get(), nullptr, 0, 0.0); }
+  void undashed();
 
-  /// From here on texts are not drawn, but added to `elements` as <text> of SVG.
-  void keep_texts(std::string* elements) { elements_ = elements; }
+  // Until restore: where things lie, and that nothing is seen outside of a box.
+  void save();
+  void restore();
+  void shift(double x, double y);
+  void turn(double angle);  ///< [rad], clockwise as seen
+  void zoom(double factor);
+  void clip(double x, double y, double w, double h);
 
  private:
-  void add_element(double x, double y, const std::string& text, const std::string& more) const;
-
-  std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo_;
-  Rgb colour_;
-  double alpha_ = 1.0, size_ = 10.0;
-  bool bold_ = false;
-  std::string* elements_ = nullptr;
+  Sheet& sheet_;
 };
 
 /// `measure` with a pen that leaves no trace: words have the same width on every paper.

@@ -491,7 +491,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 
 std::string without_folders(std::string text, const std::vector<std::string>& files) {
   for (const std::string& path : files)
-    if (path.find('/') != std::string::npos) replace_all(text, path, file_name(path));
+    if (fs::path(path).has_parent_path()) replace_all(text, path, file_name(path));
   return text;
 }
 
@@ -500,13 +500,12 @@ std::string command_text(const std::vector<std::string>& words, const std::vecto
   for (std::string word : words) {
     if (text.empty()) {
       word = file_name(word);
-    } else if (!word.empty() && word.front() == '/' && word.size() > 1) {
+    } else if (fs::path(word).is_absolute() && word.size() > 1) {
       word = fs::path(word).has_filename() ? file_name(word) : file_name(word.substr(0, word.size() - 1));
     } else {
       word = without_folders(word, files);
-      const std::size_t equals = word.find("=/");
-      if (word.compare(0, 2, "--") == 0 && equals != std::string::npos)
-        word = word.substr(0, equals + 1) + file_name(word.substr(equals + 1));
+      for (std::size_t i = word.find('='); word.rfind("--", 0) == 0 && i != word.npos; i = word.find('=', i + 1))
+        if (fs::path(word.substr(i + 1)).is_absolute()) word = word.substr(0, i + 1) + file_name(word.substr(i + 1));
     }
     const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$`<>|&;()*?[]#~!{}") == std::string::npos;
     if (!plain) {

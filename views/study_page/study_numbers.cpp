@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "io/feb/read_feb.h"
+#include "io/files/output.h"
 #include "io/tables/read_tables.h"
 #include "src/base/numbers.h"
 #include "src/base/parse.h"
@@ -41,7 +42,7 @@ std::vector<StudyStatistic> inside_statistics() {
 std::vector<std::size_t> tail_starts(const std::string& path) {
   std::vector<std::size_t> starts;
   for (std::size_t i = path.size(); i > 1; --i)
-    if (path[i - 2] == '/' && path[i - 1] != '/') starts.push_back(i - 1);
+    if (is_separator(path[i - 2]) && !is_separator(path[i - 1])) starts.push_back(i - 1);
   if (starts.empty() || starts.back() != 0) starts.push_back(0);
   return starts;
 }

@@ -369,7 +369,7 @@ void hide_folders(StudyNumbers& n, std::vector<StudyWarning>& warnings) {
   for (const auto& input : n.head.identity.inputs)
     if (std::find(models.begin(), models.end(), input[0]) == models.end()) others.push_back(input[0]);
   const auto hide = [&](std::string& text) {
-    if (text.find('/') == std::string::npos) return;
+    if (text.empty()) return;
     for (std::size_t i = 0; i < models.size(); ++i)
       if (names[i] != models[i]) replace_all(text, models[i], names[i]);
     text = without_folders(text, others);

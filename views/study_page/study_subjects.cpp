@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "io/files/output.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/base/parse.h"
@@ -22,7 +23,7 @@ bool same_word(const std::string& a, const std::string& b) { return lower_case(a
 /// Does a path end in this, a whole folder or name at its begin?
 bool ends_in(const std::string& path, const std::string& tail) {
   if (tail.empty() || !path.ends_with(tail)) return false;
-  return tail.size() == path.size() || path[path.size() - tail.size() - 1] == '/';
+  return tail.size() == path.size() || is_separator(path[path.size() - tail.size() - 1]);
 }
 
 /// What the rows of a table are of.

@@ -1,0 +1,174 @@
+"""A portable program against the native one of the same commit: models.py web|windows|linux PROGRAM DEA SOURCE
+
+Every model of samples, and of ../shared/reference where it is: plot files are the same bytes (in WebAssembly, whose mathematical functions
+are another library's: numbers by tolerance(), below), words and exit codes the same. So are refusals. linux: in an empty root
+as well, where this may be had. Python's standard library only."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+product = sys.argv[1]
+program, native, source = (pathlib.Path(a).resolve() for a in sys.argv[2:5])
+
+# In WebAssembly sums are made in another order, and mathematical functions are another library's. How the solver came to its answer, and
+# the bones of a chain, which its tolerance leaves free to a millionth of their way, show it most.
+def tolerance(name, path):
+    if product != "web":
+        return 1e-12
+    if name.startswith("chain/"):
+        return 1e-3
+    return 1e-6 if re.search(r"residual|complementarity", path) else 1e-8
+
+
+NUMBER = re.compile(rb"-?\d+(\.\d+)?(e[+-]?\d+)?|[ ]+")
+top = tempfile.TemporaryDirectory(prefix="dea_models_")
+os.environ.update(LC_ALL="C.UTF-8", WINEDEBUG="-all", WINEPREFIX=top.name + "/prefix")
+start = [program]
+if product == "web":
+    start = ["node", source / "portable/tests/node.js", program]
+if product == "windows":
+    wine = shutil.which(os.environ.get("WINE", "wine64"), path=os.environ["PATH"] + ":/usr/lib/wine")
+    if wine is None:
+        print("no wine64")
+        sys.exit(77)
+    start = [wine, program]
+    subprocess.run([wine, "wineboot", "-i"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+faults, seconds, worst, count = [], {"native": 0.0, product: 0.0}, {}, 0
+
+
+def run(who, words, folder):
+    begin = time.monotonic()
+    done = subprocess.run([*(start if who != "native" else [native]), *words], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=1200)
+    seconds[who] += time.monotonic() - begin
+    said = re.sub(rb"\d+ states? in .*", b"", done.stdout), re.sub(rb"\d+ states? in .*", b"", done.stderr)
+    return done.returncode, *said
+
+
+def leaves(value, path=""):
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if key != "timings":
+                yield from leaves(item, f"{path}.{key}")
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from leaves(item, f"{path}[{i}]")
+    else:
+        yield path, value
+
+
+def kind(path):
+    return re.sub(r"\[\d+\]", "[]", path)
+
+
+def compare_numbers(name, here, there):
+    """To a tolerance of the largest number of the same kind in the native file, or of 1."""
+    ours, theirs = list(leaves(here)), list(leaves(there))
+    if [p for p, _ in ours] != [p for p, _ in theirs]:
+        faults.append(f"{name}: JSON has other keys")
+        return
+    scale = {}
+    for path, value in theirs:
+        if isinstance(value, float):
+            scale[kind(path)] = max(scale.get(kind(path), 1.0), abs(value))
+    for (path, a), (_, b) in zip(ours, theirs):
+        if isinstance(b, float) and isinstance(a, (float, int)):
+            off = 0.0 if a == b else abs(a - b) / scale[kind(path)]
+            worst[name] = max(worst.get(name, (0.0, "")), (off, f"{path}: {a!r}, native {b!r}"))
+            if not off <= tolerance(name, path):
+                faults.append(f"{name}{path}: found {a!r}, expected {b!r}")
+        elif a != b and not (product == "web" and isinstance(b, str) and NUMBER.sub(b"#", a.encode()) == NUMBER.sub(b"#", b.encode())):
+            faults.append(f"{name}{path}: found {a!r}, expected {b!r}")
+
+
+def compare(name, model, words):
+    """Both run the same words beside the model: codes, words and files."""
+    global count
+    count += 1
+    folders = {}
+    results = {}
+    for who in ("native", product):
+        folders[who] = pathlib.Path(tempfile.mkdtemp(dir=top.name))
+        if model is not None:
+            (folders[who] / "model.feb").write_bytes(model)
+        results[who] = run(who, words, folders[who])
+    if product == "web":  # numbers in words may differ in their last digit
+        same = results[product][0] == results["native"][0] and [NUMBER.sub(b"#", t) for t in results[product][1:]] == [NUMBER.sub(b"#", t) for t in results["native"][1:]]
+    else:
+        same = results[product] == results["native"]
+    if not same:
+        faults.append(f"{name}: found {results[product]}, expected {results['native']}")
+    files = {who: {p.name: p.read_bytes() for p in folders[who].iterdir()} for who in folders}
+    if files[product].keys() != files["native"].keys():
+        faults.append(f"{name}: wrote {sorted(files[product])}, expected {sorted(files['native'])}")
+    for file in files[product].keys() & files["native"].keys():
+        here, there = files[product][file], files["native"][file]
+        if file.endswith(".json"):
+            compare_numbers(name, json.loads(here), json.loads(there))
+        elif product == "web":
+            if len(here) != len(there):
+                faults.append(f"{name}: {file} has {len(here)} bytes, expected {len(there)}")
+        elif here != there:
+            faults.append(f"{name}: {file} has other bytes")
+    for folder in folders.values():
+        shutil.rmtree(folder)
+
+
+models = sorted((source / "samples").rglob("*.feb")) + sorted((source.parent / "shared/reference").glob("*.feb"))
+for path in models:
+    name = "/".join(path.parts[-2:])
+    compare(name, path.read_bytes(), ["run", "model.feb", "-o", "model.xplt", "--json", "model.json"])
+    compare(name + " info", path.read_bytes(), ["info", "model.feb"])
+hip = (source / "samples/hip/hip_walking.feb").read_bytes()
+compare("study", hip, ["study", "model.feb", "--vary", "E: E={8|12}", "--states", "last", "--csv", "cases.csv", "-q"])
+broken = {
+    "nothing": b"",
+    "no XML": b"PK\3\4 a zip",
+    "cut off": hip[:len(hip) // 2],
+    "no number": hip.replace(b"<v>0.", b"<v>zero.", 1),
+    "too large a number": re.sub(rb"<E>[^<]*", b"<E>1e400", hip, count=1),
+    "too small a number": re.sub(rb"<E>[^<]*", b"<E>1e-400", hip, count=1),
+    "hexadecimal": re.sub(rb"<E>[^<]*", b"<E>0x10", hip, count=1),
+    "a comma": re.sub(rb"<E>[^<]*", b"<E>1,5", hip, count=1),
+    "not finite": re.sub(rb"<E>[^<]*", b"<E>inf", hip, count=1),
+    "another word": hip.replace(b"<Material>", b"<Materials>", 1),
+}
+for what, model in broken.items():
+    compare(f"refused: {what}", model, ["run", "model.feb", "--no-xplt"])
+for words in (["run", "nowhere.feb"], ["run"], ["run", "model.feb", "--facets", "round"], ["run", "model.feb", "--refine", "1e9"], ["plot", "model.feb"], ["compare", "model.feb", "model.feb"]):
+    compare("refused: " + " ".join(words), hip, words)
+# Pictures: SVG alone.
+folder = pathlib.Path(tempfile.mkdtemp(dir=top.name))
+(folder / "hip.feb").write_bytes(hip)
+run("native", ["run", "hip.feb", "-q", "-o", "hip.xplt"], folder)
+code, _, err = run(product, ["plot", "hip.xplt", "--at", "0.5,1", "-q"], folder)
+svg = (folder / "hip.svg").read_text() if code == 0 else ""
+if code != 0 or svg.count("<path") < 100 or not svg.endswith("</svg>\n"):
+    faults.append(f"plot: {code} {err}")
+code, _, err = run(product, ["plot", "hip.xplt", "-o", "hip.png"], folder)
+if code != 2 or b"draws SVG alone" not in err or err.count(b"\n") != 1:
+    faults.append(f"plot to PNG: {code} {err}")
+count += 2
+if product == "linux" and os.geteuid() == 0:
+    root = pathlib.Path(tempfile.mkdtemp(dir=top.name))
+    shutil.copy(program, root / "dea")
+    (root / "hip.feb").write_bytes(hip)
+    done = subprocess.run(["chroot", root, "/dea", "run", "/hip.feb", "-q", "-o", "/hip.xplt"], capture_output=True)
+    if done.returncode or (root / "hip.xplt").read_bytes() != (folder / "hip.xplt").read_bytes():
+        faults.append(f"in an empty root: {done.returncode} {done.stderr}")
+    count += 1
+for fault in faults[:20]:
+    print("FAILED " + fault[:600])
+if product == "windows":
+    subprocess.run([shutil.which("wineserver", path="/usr/lib/wine:" + os.environ["PATH"]), "-k"])
+for name, (off, where) in worst.items():
+    if off > 0:
+        print(f"{name}: {off:.1e} {where}")
+print(f"{product}: {count} comparisons, {len(faults)} differences; seconds {seconds['native']:.1f} native, {seconds[product]:.1f} {product}; "
+      f"furthest number {max(w[0] for w in worst.values()):.1e}")
+sys.exit(bool(faults))

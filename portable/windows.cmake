@@ -1,0 +1,10 @@
+# A program for Windows on x86-64: MinGW with threads of POSIX, all libraries static.
+set(CMAKE_SYSTEM_NAME Windows)
+set(CMAKE_SYSTEM_PROCESSOR x86_64)
+set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc-posix)
+set(CMAKE_CXX_COMPILER x86_64-w64-mingw32-g++-posix)
+set(CMAKE_RC_COMPILER x86_64-w64-mingw32-windres)
+set(CMAKE_C_FLAGS_INIT -ffp-contract=off)
+set(CMAKE_CXX_FLAGS_INIT -ffp-contract=off)
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-static -s")
+include("${CMAKE_CURRENT_LIST_DIR}/found.cmake")
