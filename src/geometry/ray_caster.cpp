@@ -22,11 +22,22 @@ constexpr double kPadding = 1e-6;
 
 using Box = Eigen::AlignedBox3d;
 
-struct Node {
-  Four bounds[2][3];  // low, high; axis; child
-  int child[kWidth];  // a node's number, or ~ a triangle's
-  int children;
+}  // namespace
+
+struct RayCaster::Tree {
+  struct Node {
+    Four bounds[2][3];  // low, high; axis; child
+    int child[kWidth];  // a node's number, or ~ a triangle's
+    int children;
+  };
+  std::vector<Node> nodes;  // the root first; none: the surface has no triangles
+  Vector3d center;          // of all vertices
+  double extent;            // no two points of the surface are farther apart than this
 };
+
+namespace {
+
+using Node = RayCaster::Tree::Node;
 
 /// A node takes at least two triangles or nodes, and its range of triangles is halved twice: with 2^31 triangles no
 /// branch has more than 16 nodes, of which each leaves at most three children waiting.
@@ -130,12 +141,6 @@ class Builder {
 };
 
 }  // namespace
-
-struct RayCaster::Tree {
-  std::vector<Node> nodes;  // the root first; none: the surface has no triangles
-  Vector3d center;          // of all vertices
-  double extent;            // no two points of the surface are farther apart than this
-};
 
 RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>(std::move(of))) {
   Box box;
