@@ -203,13 +203,13 @@ bool may_fill(const std::string& folder) {
 }
 
 bool may_replace(const std::string& path) {
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0;; ++i) {
     const HANDLE handle = to_take_away(wide(path));
     if (handle != INVALID_HANDLE_VALUE) return CloseHandle(handle) != 0;
-    if (GetLastError() != ERROR_SHARING_VIOLATION) break;
+    failed();
+    if (errno != EBUSY || i == kTries) return false;
     Sleep(kPause);
   }
-  return failed();
 }
 
 int replace_file(const std::string& from, const std::string& to) {
