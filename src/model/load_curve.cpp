@@ -10,9 +10,11 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 
 #include "src/base/decompositions.h"
 #include "src/base/error.h"
+#include "src/base/parse.h"
 
 namespace dea {
 namespace {
@@ -213,9 +215,25 @@ double same(double x) { return x; }
 
 using Function = double (*)(double);
 
+/// Standard libraries differ in what a stream takes for a number: here neither hexadecimal digits nor inf and nan are.
+int refuse_strange_number(const char* text, int* place, double* value) {
+  if (text[0] == '0' && (text[1] == 'x' || text[1] == 'X')) {  // a nought; the letter is refused by itself
+    *place += 1;
+    *value = 0.0;
+    return 1;
+  }
+  std::string word;
+  while (std::isalnum(static_cast<unsigned char>(text[word.size()])) != 0 || text[word.size()] == '_')
+    word += text[word.size()];
+  word = lower_case(word);
+  if (word == "inf" || word == "infinity" || word == "nan") throw mu::ParserError(mu::ecUNASSIGNABLE_TOKEN);
+  return 0;
+}
+
 /// A parser that knows FEBio's words and no other.
 mu::Parser febio_parser() {
   mu::Parser parser;
+  parser.AddValIdent(refuse_strange_number);
   parser.ClearFun();
   parser.ClearConst();
   parser.ClearOprt();
