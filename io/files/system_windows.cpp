@@ -83,17 +83,17 @@ int file_of(HANDLE handle, int how) {
   return file;
 }
 
-/// Opens a file as whoever takes it away does.
-HANDLE to_take_away(const std::wstring& path) {
-  return CreateFileW(path.c_str(), DELETE, kShared, nullptr, OPEN_EXISTING, 0, nullptr);
-}
-
-/// Does another program have it open that does not share that?
-bool held_by_another(const std::wstring& path) {
-  const HANDLE handle = to_take_away(path);
-  if (handle == INVALID_HANDLE_VALUE) return GetLastError() == ERROR_SHARING_VIOLATION;
-  CloseHandle(handle);
-  return false;
+/// For a file that others have open: some let it be renamed. 0 or the error.
+int replace_open_file(const std::wstring& from, const std::wstring& to) {
+  const std::wstring aside = from + L".old";
+  if (!MoveFileExW(to.c_str(), aside.c_str(), 0)) return errno_of(GetLastError());
+  if (MoveFileExW(from.c_str(), to.c_str(), 0)) {
+    DeleteFileW(aside.c_str());  // it goes when they close it
+    return 0;
+  }
+  const int why = errno_of(GetLastError());
+  MoveFileExW(aside.c_str(), to.c_str(), 0);
+  return why;
 }
 
 /// What a console shows are letters, whatever its code page.
@@ -203,22 +203,24 @@ bool may_fill(const std::string& folder) {
 }
 
 bool may_replace(const std::string& path) {
-  for (int i = 0; i < kTries; ++i) {
-    const HANDLE handle = to_take_away(wide(path));
+  for (int i = 0;; ++i) {
+    const HANDLE handle = CreateFileW(wide(path).c_str(), DELETE, kShared, nullptr, OPEN_EXISTING, 0, nullptr);
     if (handle != INVALID_HANDLE_VALUE) return CloseHandle(handle) != 0;
-    if (GetLastError() != ERROR_SHARING_VIOLATION) break;
+    failed();
+    if (errno != EBUSY || i == kTries) return false;
     Sleep(kPause);
   }
-  return failed();
 }
 
 int replace_file(const std::string& from, const std::string& to) {
-  const std::wstring target = wide(to);
+  const std::wstring source = wide(from), target = wide(to);
   for (int i = 0;; ++i) {
-    if (MoveFileExW(wide(from).c_str(), target.c_str(), MOVEFILE_REPLACE_EXISTING)) return 0;
+    if (MoveFileExW(source.c_str(), target.c_str(), MOVEFILE_REPLACE_EXISTING)) return 0;
     const int why = errno_of(GetLastError());
     if (why != EACCES && why != EBUSY) return why;
-    if (i == kTries) return held_by_another(target) ? EBUSY : why;
+    const int open = replace_open_file(source, target);
+    if (open == 0) return 0;
+    if (i == kTries) return open == EBUSY ? open : why;
     Sleep(kPause);
   }
 }
