@@ -56,6 +56,11 @@ Progress::Progress(ProgressStyle style, std::function<void(const std::string&)> 
 
 Progress::~Progress() {
   clear();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+    wake_.notify_all();
+  }
   if (ticker_.joinable()) ticker_.join();
 }
 
@@ -63,8 +68,7 @@ void Progress::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (shown_) write_(kClearLine);
   shown_ = false;
-  ended_ = true;
-  wake_.notify_all();
+  what_.clear();
 }
 
 void Progress::tick() {
@@ -129,7 +133,7 @@ std::string Progress::text(double now) const {
 }
 
 void Progress::show() {
-  if (ended_ || what_.empty()) return;
+  if (what_.empty()) return;
   const double now = clock_();
   const std::string same = what_ + ":" + within_;
   const bool lines = style_ == ProgressStyle::Lines;

@@ -20,8 +20,8 @@ std::string duration(double seconds);
 
 /// Shows what is being done and how far it has come. Nothing in the first half second (Bar) or two seconds (Lines) of a
 /// command, and no more often than every tenth of a second or two seconds after. What takes long gets its seconds
-/// counted (by a thread), so that it can be told from what has died. Whatever ends the command, clear() or the end of
-/// the object's life takes a bar away, so that no message is written behind half of one.
+/// counted (by a thread), so that it can be told from what has died. clear() or the end of the object's life, whatever
+/// ends the command, takes a bar away, so that no message is written behind half of one; the next step shows again.
 class Progress {
  public:
   explicit Progress(ProgressStyle style);
@@ -54,7 +54,7 @@ class Progress {
   double begun_ = 0.0;                  ///< what is being done
   std::optional<double> first_step_;    ///< when the first step began; none: with the command
   double steps_ended_ = 0.0;            ///< when step `done_` was done
-  bool shown_ = false, ended_ = false;  ///< a bar is there; nothing may be written any more
+  bool shown_ = false, ended_ = false;  ///< a bar is there; the ticker is to end
   std::mutex mutex_;
   std::condition_variable wake_;
   std::thread ticker_;

@@ -25,7 +25,8 @@ onmessage = async ({ data: { module, words, files } }) => {
         throw new Error(`${name}: cannot be read (${error.message}); if it has changed since it was opened, open it again`);
       }
     }
-    const dea = await createDea({
+    const setup = {
+      preRun: [() => { setup.ENV.TERM = "page"; }],
       thisProgram: "dea",
       noInitialRun: true,
       print: (line) => output.push(line),
@@ -34,11 +35,9 @@ onmessage = async ({ data: { module, words, files } }) => {
         WebAssembly.instantiate(module, imports).then((instance) => done(instance, module), (error) => postMessage({ fault: String(error) }));
         return {};
       }
-    });
-    const { FS } = dea, errorStream = FS.streams[2], decoder = new TextDecoder();
+    };
+    const dea = await createDea(setup), { FS } = dea, errorStream = FS.streams[2], decoder = new TextDecoder();
     // As a terminal has it: a bar while it works, whole lines for what it has to say.
-    dea.ENV.TERM = "page";
-    errorStream.tty = errorStream.tty || {};
     errorStream.stream_ops = { ...errorStream.stream_ops, write(stream, bytes, offset, length) {
       errors(decoder.decode(bytes.slice(offset, offset + length), { stream: true }));
       return length;

@@ -112,8 +112,9 @@ TEST(Progress, LifeBeforeTheFirstStepIsDone) {
   w.text.clear();
   w.now = 99;
   p.tick();
-  p.now("state 3 of 4", "", "", 2, 4);
   EXPECT_EQ(w.text, "");  // messages may follow
+  p.now("state 3 of 4", "", "", 2, 4);  // and what goes on is shown again
+  EXPECT_EQ(w.text.substr(0, 33), "\r\033[K[############............] ");
 }
 
 TEST(Progress, AStepWithoutDetailsHasNoLine) {
