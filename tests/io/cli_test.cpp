@@ -823,7 +823,7 @@ TEST_F(Cli, AFullMemoryIsSaid) {
 #ifndef DEA_SANITIZE_ADDRESS  // takes all addresses for itself
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
-  for (const rlim_t megabytes : {100, 120, 150}) {
+  for (const rlim_t megabytes : {42, 61}) {
     const rlimit small{megabytes << 20, before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_AS, &small), 0);  // inherited by the program
     const Finished f = dea({"run", DEA_SAMPLES_DIR "/hip/hip_walking.feb", "-q", "--states", "last", "--no-xplt"});
