@@ -5,6 +5,9 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#ifdef __EMSCRIPTEN__
+#include <emscripten/heap.h>
+#endif
 
 #include <algorithm>
 #include <cerrno>
@@ -108,6 +111,9 @@ bool stderr_is_terminal() {
 }
 
 double memory_left() {
+#ifdef __EMSCRIPTEN__  // a page's memory has an end, and the machine's is not told
+  return static_cast<double>(emscripten_get_heap_max()) - static_cast<double>(emscripten_get_heap_size());
+#endif
   rlimit limit = {};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kInfinity;
   double pages = 0.0;  // of all addresses, the first number there

@@ -23,6 +23,7 @@ from report_test import HASH, no_faults, no_network, same, true  # noqa: E402
 HIP, HIP_FEBIO, KNEE = (ROOT / "samples" / name for name in ("hip/hip_walking.feb", "hip/hip_walking_febio.xplt", "knee/knee.feb"))
 HOSTILE = "<script>document.title='broken into'<\\script> \"it's\" $HOME & 50%.feb"
 MOST_BYTES, MOST_RATIO, STOP_SECONDS = 4_000_000, 2.5, 1.0
+WORKER_SECONDS = 6.0  # Chromium gives a worker that computes two seconds before it ends it
 CHECKS = []
 
 
@@ -120,12 +121,20 @@ def native(pages, *words, code=0):
 def leaves(value, path=""):
     if isinstance(value, dict):
         for key, v in value.items():
-            yield from leaves(v, f"{path}/{key}")
+            yield from leaves(v, f"{path}/{'*' if path.endswith('/bodies') else key}")
     elif isinstance(value, list):
         for v in value:
             yield from leaves(v, path + "[]")
     else:
         yield path, value
+
+
+def same_words(found, expected, what):
+    """Of two texts: words are the same, numbers to the last of six digits; what is 0 but for rounding is."""
+    number = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+    same(number.sub("#", found), number.sub("#", expected), what)
+    for x, y in zip(number.findall(found), number.findall(expected)):
+        true(math.isclose(float(x), float(y), rel_tol=2e-5, abs_tol=1e-6), f"{what}: {x} for {y}")
 
 
 def same_numbers(found, expected, what):
@@ -194,7 +203,7 @@ def what_is_recognised_is_what_info_prints(b, pages):
         b.wait(f"document.getElementById('info').textContent.startsWith('{model.name}')", 60, "the model")
         info, faults = recognised(b)
         done = native(pages, "info", model.name)
-        same(info.strip().splitlines(), done.stdout.strip().splitlines(), model.name)
+        same_words(info.strip(), done.stdout.strip(), model.name)
         same(faults, done.stderr.splitlines(), "faults")
 
 
@@ -277,9 +286,7 @@ def a_table_and_a_settings_file_lie_beside_the_model(b, pages):
     ready(b, pages)
     folder = pages["folder"]
     (folder / "walk.csv").write_text("time,fx,fy,fz\n0,200,-100,1200\n1,432,-262,1834\n")
-    (folder / "hip.xml").write_text("<dea_settings><law>linear</law></dea_settings>\n")
-    if native(pages, "info", "hip_walking.feb", "--settings", "hip.xml", code=0).returncode:
-        return
+    (folder / "hip.xml").write_text('<febiodea_settings version="1">\n<law>linear</law>\n</febiodea_settings>\n')
     drop(b, HIP, folder / "walk.csv", folder / "hip.xml")
     recognised(b)
     setting(b, "--loads", "walk.csv")
@@ -340,6 +347,8 @@ def stop_stops_within_a_second(b, pages):
     drop(b, HIP)
     recognised(b)
     setting(b, "--refine", "6")
+    b.wait("recognising", 5, "the model to be looked at again")
+    b.wait("!recognising", 120, "the model")
     b.click("#solve")
     time.sleep(1)
     same(b.run("return document.getElementById('solve').disabled"), True, "a second run while one goes on")
@@ -348,9 +357,11 @@ def stop_stops_within_a_second(b, pages):
     b.click("#stop")
     b.wait("!solving && /^Stopped/.test(document.getElementById('activity').textContent)", 10, "the end")
     took = time.monotonic() - start
-    while workers(b) and time.monotonic() - start < STOP_SECONDS:
-        time.sleep(0.02)
-    true(took < STOP_SECONDS and not workers(b), f"it took {took:.2f} s; workers that are left: {workers(b)}")
+    true(took < STOP_SECONDS, f"it took {took:.2f} s")
+    while workers(b) and time.monotonic() - start < WORKER_SECONDS:
+        time.sleep(0.05)
+    print(f"        stopped in {took:.2f} s, its worker gone after {time.monotonic() - start:.2f} s")
+    same(workers(b), [], "workers that are left")
     true(b.run("return document.getElementById('result').hidden && document.getElementById('stop').hidden"), "a result of what was stopped")
     # and the next one is as good as the first
     setting(b, "--refine", "")
@@ -384,15 +395,10 @@ def what_is_too_large_gets_a_line(b, pages):
     drop(b, HIP)
     recognised(b)
     setting(b, "--refine", "40")
-    start = time.monotonic()
-    b.wait("!recognising", 120, "the model")
-    time.sleep(0.5)
-    if not b.run("return document.getElementById('solve').disabled"):
-        b.click("#solve")
-    b.wait("!recognising && !solving && document.querySelector('#faults .fault')", 300, "a line")
-    faults = b.run("return [...document.querySelectorAll('#faults .fault')].map(p => p.textContent)")
-    true(any("memory" in f for f in faults), faults)
-    print(f"        --refine 40: {faults} ({time.monotonic() - start:.1f} s)")
+    b.wait("document.querySelector('#faults .fault')", 60, "a line on what --refine 40 needs")
+    print(f"        {text(b, '#faults .fault')}")
+    true(re.match(r"dea: --refine 40: \d+ springs need about \S+ GB of memory, and \S+ GB are free", text(b, "#faults .fault")), "its words")
+    setting(b, "--refine", "")
 
 
 @check
