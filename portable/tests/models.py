@@ -92,9 +92,13 @@ def compare_numbers(name, here, there):
 
 
 def furthest(here, there):
-    """Two files of 4-byte words: how far those that differ are apart as single precision numbers, of the larger one or of 1."""
-    if len(here) != len(there) or len(here) % 4 != 0:
+    """Two plot files: how far those of their 4-byte words that differ are apart as single precision numbers, of the larger one or of 1."""
+    if len(here) != len(there):
         return float("inf")
+    head = len(here) % 4  # words begin behind texts, and end with the file
+    if here[:head] != there[:head]:
+        return float("inf")
+    here, there = here[head:], there[head:]
     ours, theirs = array.array("f", here), array.array("f", there)
     off = 0.0
     for i in range(0, len(here), 4):
