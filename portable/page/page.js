@@ -235,6 +235,7 @@ const Form = (() => {
     }
     return out;
   }
+  const set = () => rows.some((r) => r.parts.some((p) => p.value.trim()));
   function clear() { rows.forEach((r) => r.clear()); mark(""); }
 
   // Names of the model, as suggestions.
@@ -277,7 +278,7 @@ const Form = (() => {
       d.querySelector("summary span").textContent = n ? `${n} set` : "";
     }
   }
-  return { build, words, clear, suggest, tables, mark };
+  return { build, words, set, clear, suggest, tables, mark };
 })();
 
 // ---- recognise, solve, compare ----
@@ -349,8 +350,10 @@ async function recognise() {
     $("info").textContent = answer.output;
     const made = answer.made.find((m) => m.name === json);
     if (made) Form.suggest(JSON.parse(await made.blob.text()));
-  } else if (!/^dea: --/.test(answer.lines?.[0] || "")) {
-    $("model").hidden = true;
+  } else {
+    // a setting may be what is wrong: it stays in reach
+    $("model").hidden = !Form.set();
+    $("info").textContent = "Nothing: see the line above.";
   }
   say(refused ? "" : `${model} is recognised.`);
   buttons();
