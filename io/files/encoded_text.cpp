@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <zlib.h>
+#include <cstdint>
 
 #include <algorithm>
 #include <new>
@@ -76,9 +77,10 @@ std::optional<std::string> unpacked_bytes(const std::string& stream, std::size_t
 }
 
 std::optional<std::string> unpacked_bytes(const std::string& stream) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
   std::string result;
-  for (std::size_t room = 4 * stream.size() + 64; room < (std::size_t{1} << 32); room *= 4) {
-    uLongf size = room;
+  for (std::uint64_t room = 4 * stream.size() + 64; room < kMost; room *= 4) {
+    uLongf size = static_cast<uLongf>(room);
     const int code = unpack(stream, result, size);
     if (code == Z_BUF_ERROR && size == room) continue;  // not enough room
     if (code != Z_OK) return std::nullopt;
