@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <algorithm>
+#include <cstdint>
 #include <new>
 #include <nlohmann/json.hpp>
 
