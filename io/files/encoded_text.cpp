@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <zlib.h>
-#include <cstdint>
 
 #include <algorithm>
 #include <cstdint>
