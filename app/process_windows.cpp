@@ -29,27 +29,15 @@ void need_programs(const std::string& command) {
   throw UsageError(command + ": not in dea for Windows; take dea for Linux, in WSL or on another machine");
 }
 
-bool on_path(const std::string&) { return false; }
-
 std::filesystem::path own_path() {
   std::wstring path(1 << 15, L'\0');  // longer than any
   path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
   return path;
 }
 
-void become_program(std::vector<std::string>) {}
-bool open_pipe(int&, int&) { return false; }
-int start_program(std::vector<std::string>, std::vector<int>, bool) { return -1; }
-int wait_for(int, const StopFlag*) { return kNotFound; }
-void kill_group() {}
-void kill_program(int) {}
-std::shared_ptr<void> ignore_broken_pipe() { return nullptr; }
-
 void handle_interrupts(void (*handler)(int signal)) {
   on_event = handler;
   SetConsoleCtrlHandler(take_event, TRUE);
 }
-
-void outlive_file_size_limit() {}
 
 }  // namespace dea

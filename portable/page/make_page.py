@@ -35,8 +35,10 @@ def main():
         sys.exit(__doc__)
     code, module, sample, licences, page = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
+    report = here / "../../views/page/html"
     text = {
-        "report_style": (here / "../../views/page/html/style.css").read_text(),
+        "report_style": (report / "style.css").read_text(),
+        "elements": (report / "elements.js").read_text(),
         "style": (here / "page.css").read_text(),
         "main": (here / "page.js").read_text(),
         "packed": packed("code", code.read_bytes() + b"\n" + (here / "worker.js").read_bytes())

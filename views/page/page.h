@@ -4,10 +4,10 @@
 
 namespace dea::page {
 
-std::string_view html();                              ///< page/page.html: frame with marks like @style@
-std::string_view style();                             ///< page/style.css
-std::string_view three(), plot();                     ///< vendor/*.min.js: globals THREE, Plot
-std::string_view data(), scene(), figures(), main();  ///< page/*.js, in the order they are run
+std::string_view html();                                          ///< page/page.html: frame with marks like @style@
+std::string_view style();                                         ///< page/style.css
+std::string_view three(), plot();                                 ///< vendor/*.min.js: globals THREE, Plot
+std::string_view elements(), data(), scene(), figures(), main();  ///< page/*.js, in the order they are run
 std::string_view study_style();
 std::string_view study_figures(), study_maps(), study_main();  ///< of a study's page, behind figures(), in this order
 std::string_view build_style(), build_main();                  ///< of the page of dea build

@@ -202,6 +202,7 @@ std::string page_text(const std::string& title, const Json& data, const PageArra
                                {"style", styles},
                                {"three", page::three()},
                                {"plot", page::plot()},
+                               {"elements", page::elements()},
                                {"data_js", page::data()},
                                {"scene", page::scene()},
                                {"figures", page::figures()},

@@ -1,7 +1,6 @@
 // What the page knows: the JSON of the report and its packed arrays, unpacked when they are first asked for.
 "use strict";
 
-const $ = (id) => document.getElementById(id);
 const Report = JSON.parse($("report").textContent);
 
 const Data = (() => {
@@ -322,15 +321,3 @@ function makeTimeBar(ids, title, states, state, play, move, id = null) {
 const makeMapCanvas = (id) => make("canvas", { id, tabindex: "0", role: "img" });
 const makePanel = (name, ...parts) => make("div", { class: "panel" }, make("div", { class: "name" }, ...name), ...parts);
 
-// Elements without markup from text: names of files are never parsed.
-function make(tag, attributes, ...children) {
-  const element = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes || {})) {
-    if (value === null || value === undefined || value === false) continue;
-    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
-    else if (key === "text") element.textContent = value;
-    else element.setAttribute(key, value === true ? "" : value);
-  }
-  for (const child of children) if (child !== null && child !== undefined) element.append(child);
-  return element;
-}
