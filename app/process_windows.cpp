@@ -19,7 +19,10 @@ void (*on_event)(int signal) = nullptr;
 BOOL WINAPI take_event(DWORD event) {
   const bool of_key = event == CTRL_C_EVENT || event == CTRL_BREAK_EVENT;
   on_event(event == CTRL_C_EVENT ? SIGINT : event == CTRL_BREAK_EVENT ? SIGTERM : kHangUp);
-  if (!of_key) Sleep(INFINITE);  // the program is ended when this returns, and some seconds later if it does not
+  if (!of_key) {  // the program is ended when this returns, and five seconds later if it does not
+    Sleep(4000);
+    on_event(kHangUp);
+  }
   return TRUE;
 }
 

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "io/files/system.h"
@@ -26,20 +27,36 @@ struct Place {
   Place* before;
 };
 std::atomic<Place*> places = nullptr;
+std::atomic<bool> ending = false;  ///< remove_unfinished has begun
+
+/// Another thread ends the program: it may be reading this one's paths.
+void wait_for_the_end() {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
 
 void note(const char* path) {
-  for (Place* p = places; p != nullptr; p = p->before) {
-    const char* nothing = nullptr;
-    if (p->path.compare_exchange_strong(nothing, path)) return;
+  const auto into_free_place = [path] {
+    for (Place* p = places; p != nullptr; p = p->before) {
+      const char* nothing = nullptr;
+      if (p->path.compare_exchange_strong(nothing, path)) return true;
+    }
+    return false;
+  };
+  if (!into_free_place()) {
+    Place* added = new Place{path, places};
+    while (!places.compare_exchange_weak(added->before, added)) {
+    }
   }
-  Place* added = new Place{path, places};
-  while (!places.compare_exchange_weak(added->before, added)) {
-  }
+  if (!ending) return;
+  remove_file(path);
+  remove_empty_folder(path);
+  wait_for_the_end();
 }
 
 void forget(const char* path) {
   for (Place* p = places; p != nullptr; p = p->before)
     if (p->path == path) p->path = nullptr;
+  if (ending) wait_for_the_end();
 }
 
 /// Where a path leads: links stay, what they lead to is written.
@@ -270,6 +287,7 @@ Temporary::~Temporary() {
 }
 
 void remove_unfinished() {
+  ending = true;
   for (const auto remove : {remove_file, remove_empty_folder})  // a folder goes after what is in it
     for (const Place* p = places; p != nullptr; p = p->before)
       if (const char* path = p->path) remove(path);

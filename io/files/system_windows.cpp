@@ -141,9 +141,15 @@ int open_nameless() {
     failed();
     return -1;
   }
-  return file_of(CreateFileW(name, GENERIC_READ | GENERIC_WRITE, kShared, nullptr, CREATE_ALWAYS,
-                             FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr),
-                 0);
+  const int file = file_of(CreateFileW(name, GENERIC_READ | GENERIC_WRITE, kShared, nullptr, CREATE_ALWAYS,
+                                       FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr),
+                           0);
+  if (file < 0) {
+    const int why = errno;
+    DeleteFileW(name);  // the name was made as a file
+    errno = why;
+  }
+  return file;
 }
 
 bool close_file(int file) { return _close(file) == 0; }
@@ -236,10 +242,14 @@ LockedFile lock_file(const std::string& path) {
       const int file = file_of(handle, 0);
       return {file < 0 ? Lock::Impossible : Lock::Taken, file};
     }
-    if (GetLastError() == ERROR_SHARING_VIOLATION) return {Lock::OfAnother, open_file(path, OpenAs::Reading)};
     failed();
-    // one that is going away, as its holder ends, can be neither opened nor made
-    if (errno != EACCES || i == kTries) return {Lock::Impossible, -1};
+    if (errno == EBUSY) {
+      // a run lets others read who it is; one that lets nobody is no run, and goes in a moment
+      const int file = open_file(path, OpenAs::Reading);
+      if (file >= 0 || i == kTries) return {Lock::OfAnother, file};
+    } else if (errno != EACCES || i == kTries) {  // one that is going away, as its holder ends, cannot be opened or made
+      return {Lock::Impossible, -1};
+    }
     Sleep(kPause);
   }
 }

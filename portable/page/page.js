@@ -26,8 +26,9 @@ const Program = (() => {
   }
   const kTooLarge = "The model needs more memory than a browser gives a page: 4 GB, or less on a small computer. Take the program dea for it.";
   function worded(text) {
-    if (/memory|OOM|allocation|Array buffer|ArrayBuffer|array length/i.test(text)) return kTooLarge;
-    if (/call stack|stack overflow/i.test(text)) return `dea ran out of stack: ${text}`;
+    if (/call stack|stack overflow|recursion/i.test(text)) return `dea ran out of stack: ${text}`;
+    const crashed = /out of bounds|unreachable|null function|signature/i.test(text);
+    if (!crashed && /memory|OOM|allocation|Array buffer|ArrayBuffer|array length/i.test(text)) return kTooLarge;
     return `dea ended without an answer: ${text}`;
   }
   // `files`: [{ name, file }]; `tell` gets { progress } or { line }. { done: a promise of { code, output, lines, made,
@@ -359,7 +360,7 @@ async function solve() {
   if (solving || refused || !Files.list.length) return;
   let words;
   try { words = Form.words("run"); } catch (error) { tell("run", [error.message]); return; }
-  const model = Files.model(), compare = comparing(), key = asked(), files = Files.list, results = Files.names("result");
+  const model = Files.model(), compare = comparing(), key = asked(), files = Files.list, marks = JSON.stringify(Files.marks), results = Files.names("result");
   const stem = (model || results[0]).replace(/\.[^.]*$/, ""), out = (kind, ending) => typedName(Files.free(`${stem}_${kind}`, ending));
   const runWords = ["run", typedName(model), ...words, ...settingsFile(), "-o", out("dea", ".xplt"), "--json", out("dea", ".json"), "--csv", out("dea", ".csv"), "--report", out("dea", ".html")];
   const compareWords = (list) => ["compare", ...list.map(typedName), "--json", out("compare", ".json"), "--csv", out("compare", ".csv"), "--report", out("compare", ".html")];
@@ -379,15 +380,17 @@ async function solve() {
   };
   const run = compare ? await step("Comparison", compareWords(results), files) : await step("Result", runWords, files);
   if (!run) return;
+  let cut = false;  // what is solved stays
   const plot = run.made?.find((m) => m.name === runWords[runWords.indexOf("-o") + 1].replace(/^\.\//, ""));
   if (!compare && plot && results.length && run.code < 2) {
     $("activity").textContent = "comparing …";
     $("progress").removeAttribute("value");
     const beside = [{ name: plot.name, file: plot.blob }, ...files.filter((f) => results.includes(f.name))];
-    if (!(await step("Comparison", compareWords([plot.name, ...results]), beside))) return;
+    cut = !(await step("Comparison", compareWords([plot.name, ...results]), beside));
+    if (cut && JSON.stringify(Files.marks) !== marks) return;
   }
   solving = null;
-  $("activity").textContent = "";
+  $("activity").textContent = cut ? "The comparison was stopped." : "";
   buttons();
   // what refused says why; what was shown before stays, marked as what it is
   if (run.fault || run.code > 1) {

@@ -313,6 +313,13 @@ def a_result_of_febio_is_compared(b, pages):
     native(pages, *compare[1:], "--overwrite")
     worst = same_numbers(json.loads(saved(b, "_compare.json", 1)[1]), json.loads((pages["folder"] / "hip_walking_compare.json").read_text()), "the comparison")
     print(f"        numbers within {worst[0]:.1e} ({worst[1]})")
+    # stopped in the comparison: what was solved stays
+    b.run("""window.before = solved;
+             new MutationObserver((_, o) => { if (/comparing/.test(document.getElementById('activity').textContent)) { o.disconnect(); document.getElementById('stop').click(); } })
+               .observe(document.getElementById('activity'), { childList: true, characterData: true, subtree: true })""")
+    b.click("#solve")
+    same(solved(b), ["Result"], "parts of a run that was stopped while comparing")
+    same(text(b, "#activity"), "The comparison was stopped.", "what happened")
     # two results without a model
     ready(b, pages)
     (pages["folder"] / "other.xplt").write_bytes((pages["folder"] / "hip.xplt").read_bytes())
@@ -388,8 +395,7 @@ def what_is_too_large_gets_a_line(b, pages):
     start = time.monotonic()
     drop(b, path)
     info, faults = recognised(b, 60)
-    same(len(faults), 1, "lines")
-    true("memory" in faults[0], faults)
+    same(faults, ["The model needs more memory than a browser gives a page: 4 GB, or less on a small computer. Take the program dea for it."], "lines")
     print(f"        5 GB: {faults[0]} ({time.monotonic() - start:.1f} s)")
     os.remove(path)
     ready(b, pages)
@@ -398,7 +404,7 @@ def what_is_too_large_gets_a_line(b, pages):
     setting(b, "--refine", "40")
     b.wait("document.querySelector('#faults .fault')", 60, "a line on what --refine 40 needs")
     print(f"        {text(b, '#faults .fault')}")
-    true(re.match(r"dea: --refine 40: \d+ springs need about \S+ GB of memory, and \S+ GB are free", text(b, "#faults .fault")), "its words")
+    true(re.match(r"dea: --refine 40: \d+ springs need about \S+ GB of memory, and \S+ GB are free(; [^\n]+)?$", text(b, "#faults .fault")), "its words")
     setting(b, "--refine", "")
 
 

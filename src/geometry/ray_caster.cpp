@@ -322,7 +322,7 @@ template <class LookAt>
 void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radius, const LookAt& look_at) {
   if (tree.nodes.empty()) return;
   const auto within2 = [&] {
-    const double r = radius * (1 + 1e-6) + kPadding * tree.extent;
+    const double r = radius * (1 + 1e-14) + kPadding * tree.extent;
     return r * r;
   };
   Waiting waiting;
@@ -348,20 +348,16 @@ void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radiu
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  // From very far away rounding tells no triangles apart, and each would be asked: a point on the way there has the
-  // same answer to the digits that are left.
-  const Vector3d away = x - tree_->center;
-  const double far = 1e4 * tree_->extent;
-  const Vector3d from = away.norm() > far ? Vector3d(tree_->center + far * away.normalized()) : x;
   thread_local std::vector<Candidate> found;
   found.clear();
   double best = kInfinity;
   double radius = kInfinity;
-  const double tolerance = 1e-12 * tree_->extent;
-  near_to(*tree_, from, radius, [&](int t) {
+  // what rounding leaves of a distance
+  const double tolerance = 1e-12 * tree_->extent + 1e-15 * (x - tree_->center).norm();
+  near_to(*tree_, x, radius, [&](int t) {
     Candidate c;
     c.point.triangle = t;
-    c.distance = std::sqrt(closest_on_triangle(*mesh_, t, from, &c.point.weights));
+    c.distance = std::sqrt(closest_on_triangle(*mesh_, t, x, &c.point.weights));
     if (c.distance > radius) return;
     found.push_back(c);
     best = std::min(best, c.distance);
@@ -369,7 +365,7 @@ SurfacePoint RayCaster::closest(const Vector3d& x) const {
   });
   SurfacePoint point;
   for (const Candidate& c : found)
-    if (c.distance <= radius && (point.triangle < 0 || c.point.triangle < point.triangle)) point = c.point;
+    if (!(c.distance > radius) && (point.triangle < 0 || c.point.triangle < point.triangle)) point = c.point;
   return point;
 }
 
