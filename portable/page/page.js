@@ -505,9 +505,7 @@ let sample = null;
 async function openSample() {
   sample ??= unpacked("sample-model").then((r) => r.blob());
   open([new File([await sample], $("sample-model").dataset.name)]);
-  clearTimeout(waiting);  // it is sound: what is recognised may follow the map
   await solve();
-  if (Files.list.length && !comparing()) recognise();
 }
 
 async function start() {
