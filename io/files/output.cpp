@@ -216,12 +216,11 @@ void write_pieces(const std::string& path, const std::function<void(const PutPie
     });
   };
   std::error_code error;
-  const fs::path target = target_of(path);
-  const fs::file_status status = fs::status(target, error);
+  const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status))  // a device or a pipe cannot be replaced by renaming
-    write_and_close(open_file(target.string(), OpenAs::Writing), path, put_all);
+    write_and_close(open_file(path, OpenAs::Writing), path, put_all);
   else
-    write_beside(path, target, put_all);
+    write_beside(path, target_of(path), put_all);
 }
 
 void write_open_file(const std::string& path, const std::function<void(int file)>& write) {

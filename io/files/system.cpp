@@ -90,7 +90,10 @@ int replace_file(const std::string& from, const std::string& to) {
 LockedFile lock_file(const std::string& path) {
   for (;;) {
     int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0 && errno == EACCES) file = open_file(path, OpenAs::Reading);  // somebody else left it behind
+    if (file < 0 && errno == EACCES) {
+      file = open_file(path, OpenAs::Reading);  // somebody else left it behind
+      if (file < 0) errno = EACCES;
+    }
     if (file < 0) return {Lock::Impossible, -1};
     int why = 0;
     do why = ::flock(file, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;

@@ -132,11 +132,12 @@ const Form = (() => {
   const own = ["--help", "-o", "--json", "--csv", "--report", "--no-xplt", "--overwrite", "--quiet", "--verbose", "--details", "--compress",
     "--vtu", "--threads", "--settings", "--error-on", "--compartments-csv", "--facets-csv"];
   const rows = [];  // { option, words(): what is typed, clear(), tables(names) }
-  let infoOptions = new Set();
+  let infoOptions = new Set(), runOptions = infoOptions;
 
   function build(tree) {
     const options = (name) => tree.commands.find((c) => c.name === name).options.map((o) => ({ ...o, name: o.names.at(-1) }));
     infoOptions = new Set(options("info").map((o) => o.name));
+    runOptions = new Set(options("run").map((o) => o.name));
     const wanted = options("run").filter((o) => !o.names.some((n) => own.includes(n))), all = new Set(wanted.map((o) => o.name));
     const groups = new Map();
     for (const o of wanted) {
@@ -215,10 +216,13 @@ const Form = (() => {
 
   // Typed for a command; dea info has no settings of outputs.
   function words(command) {
-    const out = [];
+    const out = [], isSkipped = (name) => command === "info" && runOptions.has(name) && !infoOptions.has(name);
     for (const r of rows) {
-      if (command === "info" && (r.more || !infoOptions.has(r.o.name))) continue;
-      out.push(...r.words());
+      let skipped = !r.more && isSkipped(r.o.name);
+      for (const word of r.words()) {
+        if (r.more && /^-[^\d.]/.test(word)) skipped = /^-[^-]/.test(word) ? command === "info" : isSkipped(word.split("=")[0]);
+        if (!skipped) out.push(word);
+      }
     }
     return out;
   }
@@ -321,7 +325,9 @@ const kLooking = "looking at the model …";
 
 async function recognise() {
   const model = Files.model(), json = Files.free("info", ".json");
-  const words = ["info", typedName(model), ...Form.words("info"), ...settingsFile(), "--json", json];
+  let typed;
+  try { typed = Form.words("info"); } catch (error) { tell("info", [error.message]); return; }
+  const words = ["info", typedName(model), ...typed, ...settingsFile(), "--json", json];
   const run = Program.run(words, Files.list.filter((f) => !/\.xplt$/i.test(f.name) || f.name === model));
   recognising = run;
   if (!solving) $("activity").textContent = kLooking;
@@ -360,6 +366,7 @@ async function solve() {
   if (solving || refused || !Files.list.length) return;
   let words;
   try { words = Form.words("run"); } catch (error) { tell("run", [error.message]); return; }
+  if (words.some((w) => /^--vtu(=|$)/.test(w))) { tell("run", ["--vtu writes a folder, which a page cannot save: take the program dea for it."]); return; }
   const model = Files.model(), compare = comparing(), key = asked(), files = Files.list, marks = JSON.stringify(Files.marks), results = Files.names("result");
   const stem = (model || results[0]).replace(/\.[^.]*$/, ""), out = (kind, ending) => typedName(Files.free(`${stem}_${kind}`, ending));
   const runWords = ["run", typedName(model), ...words, ...settingsFile(), "-o", out("dea", ".xplt"), "--json", out("dea", ".json"), "--csv", out("dea", ".csv"), "--report", out("dea", ".html")];
@@ -390,7 +397,8 @@ async function solve() {
     if (cut && JSON.stringify(Files.marks) !== marks) return;
   }
   solving = null;
-  $("activity").textContent = cut ? "The comparison was stopped." : "";
+  const unlike = parts.length > 1 && (parts[1].fault || parts[1].code > 1);
+  $("activity").textContent = cut ? "The comparison was stopped." : unlike ? "Solved; the comparison below was refused." : "";
   buttons();
   // what refused says why; what was shown before stays, marked as what it is
   if (run.fault || run.code > 1) {

@@ -261,6 +261,11 @@ def settings_are_typed_for_the_program(b, pages):
     setting(b, "--squash", "--no-squash")
     b.run("document.getElementById('more').value = \"--facets-csv 'my facets.csv'\"; document.getElementById('more').dispatchEvent(new Event('input', { bubbles: true }))")
     b.wait("document.getElementById('info').textContent.includes('E 6')", 60, "the setting in what is recognised")
+    b.run("const more = document.getElementById('more'); window.typed = more.value; more.value += ' --lax linear'; more.dispatchEvent(new Event('input', { bubbles: true }))")
+    b.wait("document.querySelector('#faults .fault')", 30, "the fault of an option that there is not")
+    true("--lax" in text(b, "#faults .fault"), "its words")
+    b.run("const more = document.getElementById('more'); more.value = window.typed; more.dispatchEvent(new Event('input', { bubbles: true }))")
+    b.wait("!document.querySelector('#faults .fault') && document.getElementById('info').textContent.includes('E 6')", 60, "the settings as they were")
     solve(b)
     words = words_of_line(b)
     for wanted in (["--E", "medial_plateau=6"], ["--law", "linear"], ["--states", "last"], ["--facets-csv", "my facets.csv"]):
