@@ -353,7 +353,8 @@ inline std::vector<PressedLayer> press_rigid(bool axisymmetric, const NeoHookean
     PressedLayer result;
     result.depth = depth;
     for (std::size_t i = 0; i < touching; ++i) result.force -= force[2 * surface[i] + 1];
-    result.radius = 0.5 * (point(touching - 1).x() + point(touching).x());
+    const std::size_t beyond = std::min(touching, surface.size() - 1);  // the whole surface may touch
+    result.radius = 0.5 * (point(touching - 1).x() + point(beyond).x());
     result.peak_cauchy = solid.peak(surface, force, 0.35 * result.radius, false);
     result.peak_nominal = solid.peak(surface, force, 0.35 * result.radius, true);
     results.push_back(result);
