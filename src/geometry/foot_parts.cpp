@@ -29,9 +29,10 @@ int cut_along(const Corners& polygon, int corners, std::size_t k, Corners& left)
   return kept;
 }
 
-/// The part of triangle t under the foot, both seen along n, with its area along n. False: there is none.
+/// The part of triangle t under the foot, both seen along n, with its area along n. False: there is none. `whole`: per
+/// corner of t, the foot does not go beyond the side opposite it.
 bool cut_out(const std::array<Vector3d, 3>& foot, const Vector3d& n, const SurfaceMesh& surface, int t,
-             SurfacePart& part) {
+             SurfacePart& part, std::array<bool, 3>& whole) {
   const Vector3d& x0 = surface.corner(t, 0);
   const Vector3d side1 = surface.corner(t, 1) - x0, side2 = surface.corner(t, 2) - x0;
   const double twice = side1.cross(side2).dot(n);
@@ -43,7 +44,6 @@ bool cut_out(const std::array<Vector3d, 3>& foot, const Vector3d& n, const Surfa
     const double s1 = from.dot(slope1), s2 = from.dot(slope2);
     corner[c] = {1 - s1 - s2, s1, s2};
   }
-  std::array<bool, 3> whole;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(std::max({corner[0][k], corner[1][k], corner[2][k]}) > 0)) return false;  // beside it
     whole[k] = std::min({corner[0][k], corner[1][k], corner[2][k]}) >= 0;
@@ -79,14 +79,17 @@ std::vector<SurfacePart> parts_under_foot(const std::array<Vector3d, 3>& foot, d
   reached.reserve(32);
   const double scale = area / (0.5 * std::abs((foot[1] - foot[0]).cross(foot[2] - foot[0]).dot(n)));
   SurfacePart part;
+  std::array<bool, 3> whole;
   for (std::size_t next = 0; next < reached.size(); ++next) {
-    if (!cut_out(foot, n, surface, reached[next], part)) continue;
+    if (!cut_out(foot, n, surface, reached[next], part, whole)) continue;
     part.area *= scale;
     if (part.area > 0) parts.push_back(part);
-    for (const int beside : surface.neighbours[at(part.triangle)])
-      if (beside >= 0 && beside < end && (own.empty() || own[at(beside)]) &&
+    for (std::size_t k = 0; k < 3; ++k) {  // across its side from corner k to the next
+      const int beside = surface.neighbours[at(part.triangle)][k];
+      if (!whole[(k + 2) % 3] && beside >= 0 && beside < end && (own.empty() || own[at(beside)]) &&
           std::find(reached.begin(), reached.end(), beside) == reached.end())
         reached.push_back(beside);
+    }
   }
   return parts;
 }
