@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -162,22 +164,35 @@ struct Together {
   }
 };
 
-/// Pressures to start from: those of the last pose, and what their rates make of the targets' motions since, as seen
-/// from their sources.
-Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Together& all) {
-  if (memory.rates.size() == 0) return memory.pressure;
-  Eigen::VectorXd pressure = memory.pressure;
+/// The targets' motions since the memory's pose, as seen from their sources: 6 per pair of bodies.
+Eigen::VectorXd motion_since(const PressMemory& memory, const Together& all) {
+  Eigen::VectorXd motion(all.columns());
   for (std::size_t m = 0; m < all.pairs.size(); ++m) {
     const PosedBed& now = all.bed_of(static_cast<Eigen::Index>(m));
     const Pose &source = memory.source[m], &target = memory.target[m];
     const Eigen::Matrix3d back = source.rotation * now.source.rotation.transpose();
     const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * now.target.rotation * target.rotation.transpose()));
-    Eigen::Matrix<double, 6, 1> motion;
-    motion << source.center + back * (now.target.center - now.source.center) - target.center,
+    motion.segment<6>(6 * static_cast<Eigen::Index>(m))
+        << source.center + back * (now.target.center - now.source.center) - target.center,
         turn.angle() * turn.axis();
-    pressure += memory.rates.middleCols<6>(6 * static_cast<Eigen::Index>(m)) * motion;
   }
-  return pressure.cwiseMax(0.0);
+  return motion;
+}
+
+/// Pressures to start from: those of the last pose, and what their rates make of the motions since; without rates, as
+/// much of their last change as the motion is of the last motion. `length`: of the surfaces, for turns.
+Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Eigen::VectorXd& motion, double length) {
+  if (memory.pressure.size() == 0) return {};
+  if (!memory.rates.isZero(0)) return (memory.pressure + memory.rates * motion).cwiseMax(0.0);
+  if (memory.change.size() == 0) return memory.pressure;
+  double along = 0.0, all = 0.0;
+  for (Eigen::Index k = 0; k < motion.size(); ++k) {
+    const double weight = k % 6 < 3 ? 1.0 : length * length;
+    along += weight * motion[k] * memory.motion[k];
+    all += weight * memory.motion[k] * memory.motion[k];
+  }
+  const double part = all > 0 ? std::clamp(along / all, 0.0, 2.0) : 0.0;
+  return (memory.nearly + part * memory.change).cwiseMax(0.0);
 }
 
 /// So many feet that stand on nothing.
@@ -336,8 +351,12 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   LayerContactOptions search;
   search.tolerance = options.tolerance;
   search.stop = options.stop;
-  const LayerPressure result =
-      solve_contact(contact, overlap, memory ? pressures_to_start_from(*memory, all) : Eigen::VectorXd(), search);
+  Eigen::VectorXd start, motion;
+  if (memory && memory->pressure.size() > 0) {
+    motion = motion_since(*memory, all);
+    start = pressures_to_start_from(*memory, motion, std::sqrt(contact.area.sum()));
+  }
+  const LayerPressure result = solve_contact(contact, overlap, start, search);
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active) continue;
     states[b].complementarity = result.residual;
@@ -366,7 +385,12 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
       for (CrossRates& other : states[b].cross) other.rates.row(row) *= factors[b][k];
     }
   if (!memory) return;
-  *memory = {result.pressure, rates, {}, {}};
+  constexpr double kShare = 0.3;  // of what closes a foot's gap alone: its neighbours press too
+  Eigen::VectorXd nearly = result.pressure, change;
+  for (Eigen::Index i = 0; i < nearly.size(); ++i)
+    if (!(nearly[i] > 0)) nearly[i] = -kShare * result.apart[i];
+  if (motion.size() > 0) change = nearly - memory->nearly;
+  *memory = {result.pressure, rates, {}, {}, std::move(nearly), std::move(change), std::move(motion)};
   for (std::size_t m = 0; m < all.pairs.size(); ++m) {
     memory->source.push_back(all.bed_of(static_cast<Eigen::Index>(m)).source);
     memory->target.push_back(all.bed_of(static_cast<Eigen::Index>(m)).target);

@@ -6,6 +6,7 @@
 
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/springs/near_inverse.h"
 
 namespace dea {
 
@@ -61,11 +62,20 @@ struct ScaledContact {
   VectorXd local;   // 1 where there is no layer
   VectorXd weight;  // 0: takes no part
   int applications = 0;
+  double stride = 1.0;  // by which the near inverse leads too short
 
   explicit ScaledContact(const LayerContact& c) : contact(c), local(local_compliance(c)) {
     weight = contact.area.cwiseProduct(local);
     for (Index i = 0; i < local.size(); ++i)
       if (!(local[i] > 0)) local[i] = 1;
+  }
+  /// Where a residual asks pressures to go, of feet that are `asked`.
+  MatrixXd way(const std::vector<char>& asked, const MatrixXd& residual) const {
+    MatrixXd way = residual;
+    for (Index i = 0; i < way.rows(); ++i)
+      if (!asked[at(i)]) way.row(i).setZero();
+    for (const PressedLayer& of : contact.layers) add_near_inverse(*of.layer, *of.feet, weight, asked, residual, way);
+    return way;
   }
   MatrixXd apply(const MatrixXd& p) {
     ++applications;
@@ -81,24 +91,6 @@ struct ScaledContact {
   }
 };
 
-/// The three parts of the gradient z = B p - b: `free` where p > 0, `chopped` where p = 0 and a pressure is missing,
-/// `reduced` as much of `free` as a step of the given length can follow before p = 0.
-struct Gradient {
-  VectorXd free, chopped, reduced;
-  void split(const ScaledContact& B, const VectorXd& p, const VectorXd& z, double step) {
-    for (auto* part : {&free, &chopped, &reduced}) part->setZero(p.size());
-    for (Index i = 0; i < p.size(); ++i) {
-      if (!(B.weight[i] > 0)) continue;
-      if (p[i] > 0) {
-        free[i] = z[i];
-        reduced[i] = std::min(p[i] / step, z[i]);
-      } else {
-        chopped[i] = std::min(z[i], 0.0);
-      }
-    }
-  }
-};
-
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
   double worst = 0;
   for (Index i = 0; i < p.size(); ++i)
@@ -107,42 +99,47 @@ double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd
   return peak > 0 ? worst / peak : worst;
 }
 
-/// Bounded quadratic problem, by MPRGP: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`:
-/// at the p to start from. `goal`: of the complementarity, relative.
+/// Bounded quadratic problem: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`: at the p
+/// to start from. `goal`: of the complementarity, relative. Conjugate gradients on the feet that touch or ask to, led
+/// by the near inverse; where a step would let feet go, the way is to its projection, to the least energy between. What
+/// does not lead downhill is replaced by a short step along the gradient, projected: it always does.
 void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const LayerContactOptions& options) {
   const Index n = p.size();
-  // Dostal and Schoeberl's step of expansion converges for lengths below 2 / |B|
-  const double expansion = 1.9 / B.largest();
-  Gradient g;
-  g.split(B, p, z, expansion);
-  VectorXd d = g.free;  // direction
-  for (;;) {
-    if (complementarity(B, p, z) <= goal || B.applications >= options.max_applications) return;
+  std::vector<char> face(at(static_cast<int>(n)), 0), before;
+  VectorXd free = VectorXd::Zero(n), d, Bd;
+  double curvature = 0;  // of d; 0: there is none to be conjugate to
+  double& stride = B.stride;
+  while (!(complementarity(B, p, z) <= goal) && B.applications < options.max_applications) {
     end_if_stopped(options.stop);
-    const bool proportional = B.dot(g.chopped, g.chopped) <= B.dot(g.reduced, g.free);
-    if (!proportional) d = g.chopped;  // let more feet touch
-    const VectorXd Bd = B.apply(d).col(0);
-    const double curvature = B.dot(d, Bd);
-    if (!(curvature > 0)) return;  // d is nothing but rounding
-    const double full = B.dot(z, d) / curvature;
-    double feasible = kInfinity;
-    for (Index i = 0; i < n; ++i)
-      if (d[i] > 0) feasible = std::min(feasible, p[i] / d[i]);
-    if (full <= feasible) {
-      p = (p - full * d).cwiseMax(0.0);
-      z -= full * Bd;
-      g.split(B, p, z, expansion);
-      d = proportional ? VectorXd(g.free - B.dot(g.free, Bd) / curvature * d) : g.free;
-    } else {  // to the first foot that lets go, and a gradient step that may let go many
-      p = (p - feasible * d).cwiseMax(0.0);
-      z -= feasible * Bd;
-      g.split(B, p, z, expansion);
-      const VectorXd before = p;
-      p = (p - expansion * g.free).cwiseMax(0.0);
-      z += B.apply(p - before).col(0);
-      g.split(B, p, z, expansion);
-      d = g.free;
+    before = face;
+    for (Index i = 0; i < n; ++i) {
+      face[at(i)] = B.weight[i] > 0 && (p[i] > 0 || z[i] < 0);
+      free[i] = face[at(i)] ? z[i] : 0.0;
     }
+    const VectorXd way = B.way(face, free).col(0);
+    if (curvature > 0 && face == before)
+      d = way - B.dot(way, Bd) / curvature * d;
+    else
+      d = way;
+    curvature = 0;
+    VectorXd step = (p - stride * d).cwiseMax(0.0) - p;  // the near inverse has the length, too
+    const bool whole = (p.array() >= stride * d.array()).all();
+    if (!(B.dot(free, step) < 0)) step = (p - 1 / B.largest() * free).cwiseMax(0.0) - p;
+    const VectorXd change = B.apply(step).col(0);
+    const double bend = B.dot(step, change), fall = -B.dot(free, step);
+    if (!(bend > 0) || !(fall > 0)) return;  // the step is nothing but rounding
+    double length = fall / bend, most = kInfinity;
+    for (Index i = 0; i < n; ++i)
+      if (step[i] < 0) most = std::min(most, -p[i] / step[i]);
+    if (whole && length <= most) {
+      Bd = -change / stride;
+      curvature = bend / (stride * stride);
+    }
+    stride *= std::clamp(length, 0.5, 2.0);
+    // half of what is best lowers the energy, and so does twice as much: feet that are to let go do
+    length = whole || length < 0.5 ? std::min(length, most) : 1.0;
+    p = (p + length * step).cwiseMax(0.0);
+    z += length * change;
   }
 }
 
@@ -173,6 +170,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     VectorXd sunk = result.sunk.front();
     for (std::size_t k = 1; k < result.sunk.size(); ++k) sunk += result.sunk[k];
     const VectorXd z = (sunk + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
+    result.apart = z;
     const double before = result.residual;
     result.residual = complementarity(B, p, z);
     // solve_bounded carries its residual along: as it is, it may be a little larger
@@ -211,6 +209,8 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   const auto measure = [&] {
     for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
   };
+  std::vector<char> asked(active);
+  for (Index i = 0; i < r.rows(); ++i) asked[at(i)] = active[at(i)] && B.weight[i] > 0;
   measure();
   goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
@@ -222,7 +222,9 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
     mask(r);
     measure();
   }
-  MatrixXd d = r;
+  MatrixXd way = B.way(asked, r), d = way;
+  VectorXd along(columns);  // the residual's own product with the way
+  for (Index c = 0; c < columns; ++c) along[c] = B.dot(r.col(c), way.col(c));
   while ((size.array() > goal.array()).any() && B.applications < kMaxSteps) {
     end_if_stopped(stop);
     MatrixXd Bd = B.apply(d);
@@ -230,12 +232,17 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
     for (Index c = 0; c < columns; ++c) {
       const double curvature = B.dot(d.col(c), Bd.col(c));
       if (size[c] <= goal[c] || !(curvature > 0)) continue;
-      const double step = size[c] / curvature;
+      const double step = along[c] / curvature;
       result.pressure.col(c) += step * d.col(c);
       r.col(c) -= step * Bd.col(c);
-      const double next = B.dot(r.col(c), r.col(c));
-      d.col(c) = r.col(c) + next / size[c] * d.col(c);
-      size[c] = next;
+    }
+    way = B.way(asked, r);
+    for (Index c = 0; c < columns; ++c) {
+      if (size[c] <= goal[c]) continue;
+      size[c] = B.dot(r.col(c), r.col(c));
+      const double next = B.dot(r.col(c), way.col(c));
+      d.col(c) = way.col(c) + next / along[c] * d.col(c);
+      along[c] = next;
     }
   }
   result.converged = (size.array() <= goal.array()).all();

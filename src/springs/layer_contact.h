@@ -44,6 +44,7 @@ struct LayerPressure {
   Eigen::VectorXd pressure;           ///< per foot, >= 0 [MPa]
   std::vector<Eigen::VectorXd> sunk;  ///< per layer: w of its feet [mm]
   std::vector<char> active;           ///< per foot: touches (p > 0)
+  Eigen::VectorXd apart;              ///< per foot: (w - overlap) / local, by which one is apart that does not [MPa]
   double residual = 0.0;              ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
   bool converged = false;
   int applications = 0;  ///< of the compliance: each costs a sparse solution per layer and matrix
@@ -52,9 +53,8 @@ struct LayerPressure {
 /// p >= 0,  w(p) >= overlap,  p (w - overlap) = 0.                                                               (L4)
 /// `overlap`: per foot, signed [mm]: minus the gap where apart, for what bulges may come to touch. `start`: pressures
 /// to start from, or empty. Newton's method on the convex energy of (L9), each step a quadratic problem with bounds
-/// that MPRGP solves (Dostal and Schoeberl 2005: conjugate gradients on the feet that touch, with projections where
-/// some come to touch or let go), scaled by the local compliance. `contact`: its softenings are set to those of the
-/// result.
+/// that projected conjugate gradients solve, scaled by the local compliance and led by near_inverse.h. `contact`: its
+/// softenings are set to those of the result.
 LayerPressure solve_contact(LayerContact& contact, const Eigen::VectorXd& overlap, const Eigen::VectorXd& start = {},
                             const LayerContactOptions& options = {});
 

@@ -393,9 +393,11 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
       seen[at(v)] = 1;
     }
   }
-  std::vector<int> in_first = under;  // what flows out at edges comes back there
-  in_first.insert(in_first.end(), layer.beside_edges.begin(), layer.beside_edges.end());
+  std::vector<int> in_first = under;
+  for (const LayerOperator::EdgeVertex& v : layer.edge_vertices)
+    if (v.gained > 0) in_first.push_back(v.node);  // asked for by edge_flow
   feet.columns[0] = columns_for(layer.factor[0], in_first);
+  std::erase_if(feet.columns[0], [&](int v) { return layer.edge_held[at(v)] != 0; });
   feet.columns[1].clear();
   if (layer.law.terms < 2) return;
   const double most = mesh.thickness.empty() ? 0.0 : *std::max_element(mesh.thickness.begin(), mesh.thickness.end());
@@ -486,12 +488,13 @@ std::vector<double> hold_edges(const EdgeLaw& vertical, LayerOperator& op) {
     for (int v : corner) (most > 0 ? carries : bare)[at(v)] = 1;
   }
   for (auto& of_term : op.held) of_term.assign(n, 0);
+  op.edge_held.assign(n, 0);
   constexpr double kMostRobin = 5.0;  // keeps the operator positive; larger ones are seen no more
   for (std::size_t v = 0; v < n; ++v) {
     op.held[1][v] = !carries[v];
     op.held[0][v] = !carries[v] || bare[v];
     if (op.held[0][v] || !free[v]) continue;
-    op.edge_vertices.push_back({static_cast<int>(v), share[v], 0.0});
+    op.edge_vertices.push_back({static_cast<int>(v), share[v], 0.0, 0.0});
     const double bend = std::min(layer.edge_curvature[v] * layer.thickness[v], 1.0),
                  e = leaning(vertical, layer.wall_slope[v]).straight + vertical.curved * bend;
     if (e < 0 && op.law.weight[0] < 0 && share[v] > 0) {
@@ -499,21 +502,10 @@ std::vector<double> hold_edges(const EdgeLaw& vertical, LayerOperator& op) {
           op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
       continue;
     }
-    op.held[0][v] = 1;
-    if (e > 0 && share[v] > 0) op.outflow.push_back({static_cast<int>(v), e / (op.law.beta[0] * share[v])});
+    op.held[0][v] = op.edge_held[v] = 1;
+    if (e > 0 && share[v] > 0) op.edge_vertices.back().stretch = e / (op.law.beta[0] * share[v]);
   }
   return gained;
-}
-
-std::vector<int> with_neighbours(const LayerMesh& mesh, const std::vector<LayerOperator::EdgeVertex>& edges) {
-  std::vector<int> nodes;
-  for (const LayerOperator::EdgeVertex& v : edges) {
-    nodes.push_back(v.node);
-    nodes.insert(nodes.end(), mesh.beside[at(v.node)].begin(), mesh.beside[at(v.node)].end());
-  }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
 }
 
 }  // namespace
@@ -532,26 +524,25 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
   const std::vector<double> gained = hold_edges(vertical, op);
   const Parts parts = assemble(op.mesh, vertical, pattern);
   const std::size_t entries = parts.mass.size();
-  std::vector<double> values(entries), unheld;
+  std::vector<double> values(entries);
+  const auto factor_of = [&](const std::vector<char>& held, const std::vector<char>& edge) {
+    const auto is_held = [&](int v) { return held[at(v)] && (edge.empty() || !edge[at(v)]); };
+    for (int column = 0; column < pattern.size(); ++column)
+      for (int s = pattern.begin[at(column)]; s < pattern.begin[at(column) + 1]; ++s) {
+        const int row = pattern.row[at(s)];
+        if (is_held(column) || is_held(row))  // the row says q = 0; the pattern stays
+          values[at(s)] = row == column ? 1.0 : 0.0;
+      }
+    return factorise(pattern, values, edge);
+  };
   for (std::size_t k = 0; k < at(op.law.terms); ++k) {
     const double beta = op.law.beta[k], root = std::sqrt(beta);
     for (std::size_t s = 0; s < entries; ++s)
       values[s] =
           parts.mass[s] + beta * parts.stiffness[s] + root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
-    if (k == 0) {
-      for (int v = 0; v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += gained[at(v)];
-      unheld = values;
-    }
-    for (int column = 0; column < pattern.size(); ++column)
-      for (int s = pattern.begin[at(column)]; s < pattern.begin[at(column) + 1]; ++s) {
-        const int row = pattern.row[at(s)];
-        if (op.held[k][at(column)] || op.held[k][at(row)])  // the row says q = 0; the pattern stays
-          values[at(s)] = row == column ? 1.0 : 0.0;
-      }
-    op.factor[k] = factorise(pattern, values);
+    for (int v = 0; k == 0 && v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += gained[at(v)];
+    op.factor[k] = factor_of(op.held[k], k == 0 ? op.edge_held : std::vector<char>());
   }
-  if (!op.edge_vertices.empty()) op.unheld = std::move(unheld);
-  op.beside_edges = with_neighbours(op.mesh, op.edge_vertices);
   if (op.law.terms < 2) return op;
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
@@ -562,6 +553,20 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
         op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) + parts.around[s];
   for (std::size_t s = 0; s < entries; ++s) op.beyond[s] = std::sqrt(op.law.beta[1]) * parts.open_edge[s];
   op.mass = parts.mass;
+  for (std::size_t s = 0; s < entries; ++s)
+    values[s] = kNear.mass * parts.mass[s] + kNear.stiffness * parts.stiffness[s];
+  for (int t = 0; t < op.mesh.pressed; ++t) {
+    const auto& corner = op.mesh.mesh.triangles[at(t)];
+    double sum = 0;
+    for (const int v : corner) sum += op.mesh.thickness[at(v)];
+    if (!(sum > 0)) continue;
+    for (std::size_t e = 0; e < 6; ++e) {  // b_i b_j / d
+      const int i = corner[kFirst[e]], j = corner[kSecond[e]];
+      values[at(pattern.find(i, j))] +=
+          op.mesh.mesh.areas[at(t)] * (op.mesh.thickness[at(i)] + sum) * (op.mesh.thickness[at(j)] + sum) / (48 * sum);
+    }
+  }
+  op.near = factor_of(op.held[1], {});
   return op;
 }
 
@@ -596,26 +601,38 @@ double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
   return sum;
 }
 
-/// q of one term for a load, at these vertices.
-Nodal solved_term(const LayerOperator& op, const std::vector<int>& columns, std::size_t term, Nodal load) {
+/// The first half of q_0 for a load, at these vertices: at held edges the volume that flows out there, rho (L7).
+Nodal half_solved(const LayerOperator& op, const std::vector<int>& columns, Nodal load) {
   for (const int v : columns)
-    if (op.held[term][at(v)]) load.row(v).setZero();
-  solve(op.factor[term], columns, load);
+    if (op.held[0][at(v)]) load.row(v).setZero();
+  solve_down(op.factor[0], columns, load);
   return load;
 }
 
-/// The same where the feet are.
-Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t term, Nodal load) {
-  return solved_term(op, feet.columns[term], term, std::move(load));
+/// weight_0 q_0 + z.
+Nodal first_term(const LayerOperator& op, const LayerFeet& feet, const Nodal& load) {
+  Nodal q = half_solved(op, feet.columns[0], load);
+  for (const int v : feet.columns[0]) q.row(v) *= op.law.weight[0];
+  for (const LayerOperator::EdgeVertex& v : op.edge_vertices)
+    if (op.edge_held[at(v.node)]) q.row(v.node) *= v.stretch;
+  solve_up(op.factor[0], feet.columns[0], q);
+  return q;
 }
 
-/// z (L7), for the load b p and its q_0.
-Nodal edge_stretch(const LayerOperator& op, const LayerFeet& feet, const Nodal& load, const Nodal& q) {
-  Nodal held = Nodal::Zero(q.rows(), q.cols()), z = held, right_side = held;
-  add_times(op.pattern, op.unheld, op.beside_edges, q, held);
-  for (const LayerOperator::Outflow& v : op.outflow) z.row(v.node) = v.stretch * (load.row(v.node) - held.row(v.node));
-  add_times(op.pattern, op.unheld, op.beside_edges, z, right_side);
-  return z - term_pressure(op, feet, 0, std::move(right_side));  // which holds the edge
+/// The second half of q_0.
+Nodal with_edges_held(const LayerOperator& op, const std::vector<int>& columns, Nodal q) {
+  for (const LayerOperator::EdgeVertex& v : op.edge_vertices)
+    if (op.edge_held[at(v.node)]) q.row(v.node).setZero();
+  solve_up(op.factor[0], columns, q);
+  return q;
+}
+
+/// q_1 for a load, at these vertices.
+Nodal second_term(const LayerOperator& op, const std::vector<int>& columns, Nodal load) {
+  for (const int v : columns)
+    if (op.held[1][at(v)]) load.row(v).setZero();
+  solve(op.factor[1], columns, load);
+  return load;
 }
 
 /// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; not `large`:
@@ -626,11 +643,7 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
   assert(p.rows() == feet.size());
   const double own = op.law.own_share;
   const Nodal load = loads(op, feet, p);
-  Nodal all = term_pressure(op, feet, 0, load);
-  if (op.outflow.empty())
-    all *= op.law.weight[0];
-  else
-    all = op.law.weight[0] * all + edge_stretch(op, feet, load, all);
+  Nodal all = first_term(op, feet, load);
   Eigen::MatrixXd strain;
   if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
   const auto find_strain = [&](const Nodal* q) {
@@ -641,7 +654,7 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
       }
   };
   if (op.law.terms == 2) {
-    const Nodal q = term_pressure(op, feet, 1, load);
+    const Nodal q = second_term(op, feet.columns[1], load);
     all += op.law.weight[1] * q;
     Nodal right_side = Nodal::Zero(q.rows(), q.cols());  // the fraction's square: S^-1 M_t S^-1
     add_times(op.pattern, op.onwards, feet.columns[1], q, right_side);
@@ -649,7 +662,7 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
       find_strain(&q);
       right_side -= (1 - own) * loads(op, feet, strain);
     }
-    all += term_pressure(op, feet, 1, std::move(right_side));
+    all += second_term(op, feet.columns[1], std::move(right_side));
   } else if (large) {
     find_strain(nullptr);
   }
@@ -683,13 +696,12 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
 
 std::vector<double> edge_flow(const LayerOperator& op, const LayerFeet& feet, const Eigen::VectorXd& pressure) {
   std::vector<double> flow(at(op.mesh.nodes()), 0.0);
-  const Nodal load = loads(op, feet, pressure), q = term_pressure(op, feet, 0, load);
-  Nodal held = Nodal::Zero(q.rows(), 1);
-  add_times(op.pattern, op.unheld, op.beside_edges, q, held);
+  const Nodal half = half_solved(op, feet.columns[0], loads(op, feet, pressure)),
+              q = with_edges_held(op, feet.columns[0], half);
   for (const LayerOperator::EdgeVertex& v : op.edge_vertices)
     if (v.share > 0)
-      flow[at(v.node)] = (load(v.node, 0) - held(v.node, 0) + v.gained * q(v.node, 0)) / v.share +
-                         std::sqrt(op.law.beta[0]) * q(v.node, 0);
+      flow[at(v.node)] = op.edge_held[at(v.node)] ? half(v.node, 0) / v.share
+                                                  : (v.gained / v.share + std::sqrt(op.law.beta[0])) * q(v.node, 0);
   return flow;
 }
 
@@ -708,8 +720,10 @@ Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const 
   add_times(op.pattern, op.mass, all, ones, volume);
   Eigen::MatrixXd out(n, 2 + powers);
   for (Eigen::Index v = 0; v < n; ++v) out(v, 0) = volume(v, 0) > 0 ? load(v, 0) / volume(v, 0) : 0.0;
-  out.col(1) = solved_term(op, all, 0, load);
-  out.col(2) = solved_term(op, all, 1, load);
+  std::vector<int> inner = all;
+  std::erase_if(inner, [&](int v) { return op.edge_held[at(v)] != 0; });
+  out.col(1) = with_edges_held(op, inner, half_solved(op, inner, load));
+  out.col(2) = second_term(op, all, load);
   // Beyond an edge where the layer goes on q_k decays like a polynomial times exp(-y); what it drives there comes in
   // over the edge with the terms of 1 - sqrt(1 - x) = x/2 + x^2/8 + x^3/16 + ...
   for (int k = 2; k <= powers; ++k) {
@@ -721,7 +735,7 @@ Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const 
     }
     add_times(op.pattern, op.mass, all, out.col(k), right_side);
     add_times(op.pattern, op.beyond, all, outside, right_side);
-    out.col(1 + k) = solved_term(op, all, 1, std::move(right_side));
+    out.col(1 + k) = second_term(op, all, std::move(right_side));
   }
   return out;
 }

@@ -55,13 +55,20 @@ struct LayerFeet {
   std::vector<double> area;      ///< A_i: sum of a_ik [mm^2]; 0: the foot stands on nothing and carries nothing
   std::vector<double> volume;    ///< d [mm^3]
   std::vector<double> own;  ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
-  std::vector<int> columns[2];  ///< of both factors: those that feet on the layer have to do with (set_reach)
+  /// Of both factors: those that feet on the layer have to do with (set_reach); without held edges in the first.
+  std::vector<int> columns[2];
   int size() const { return static_cast<int>(area.size()); }
   double thickness(int i) const {  ///< mean under the foot
     const auto k = static_cast<std::size_t>(i);
     return area[k] > 0 ? volume[k] / area[k] : 0.0;
   }
 };
+
+/// What leads the search for pressures (near_inverse.h).
+struct NearLaw {
+  double mass, stiffness, two;
+};
+inline constexpr NearLaw kNear = {0.15, 0.0105, 0.82};
 
 /// The compliance of one layer, as an operator. For pressures p per foot, with q, r nodal and linear in each triangle,
 ///     S_k q_k = b p,   S_1 r = (square M_t + around B) q_1,   S_k = M_t + beta_k K_t3
@@ -95,23 +102,20 @@ struct LayerOperator {
   std::array<std::vector<char>, 2> held;  ///< per term and vertex: q = 0
   std::vector<double> onwards;            ///< what of q_1 drives r: square M_t and the edges' parts
   std::vector<double> mass;               ///< M_t
-  std::vector<double> beyond;             ///< sqrt(beta_1) B of the edges where the layer goes on (`fractions`)
-  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge (L7).
-  struct Outflow {
-    int node = -1;
-    double stretch = 0.0;  ///< z per rho: e / (beta_0 B)
-  };
-  std::vector<Outflow> outflow;
+  /// Of N (L12), with a foot on each triangle; two terms alone.
+  SparseFactor near;
+  std::vector<double> beyond;  ///< sqrt(beta_1) B of the edges where the layer goes on (`fractions`)
   /// A vertex of a free edge.
   struct EdgeVertex {
     int node = -1;
-    double share = 0.0;   ///< B_v
-    double gained = 0.0;  ///< what the diagonal of S_0 gains where q_0 is not held
+    double share = 0.0;    ///< B_v
+    double gained = 0.0;   ///< what the diagonal of S_0 gains where q_0 is not held
+    double stretch = 0.0;  ///< where it is: z per rho, e / (beta_0 B), by what flows out (L7)
   };
   std::vector<EdgeVertex> edge_vertices;
-  std::vector<int> beside_edges;  ///< these and the vertices that share an edge with them, ascending
-  std::vector<double> unheld;     ///< S_0 as if nothing were held, where there are free edges
-  EdgeLaw edge;                   ///< of a vertical wall
+  /// Per vertex: of these, with q_0 = 0. The factor of S_0 eliminates them last, as if they were not.
+  std::vector<char> edge_held;
+  EdgeLaw edge;  ///< of a vertical wall
 };
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
 

@@ -127,10 +127,13 @@ struct Entries {
 };
 
 /// How many columns from j on make a panel: each leads to the next, so that the rows of all are among those of the last
-/// one, and no more than a quarter of what is kept are zeros.
-int panel_width(const std::vector<Entries>& columns, const std::vector<int>& parent, int j) {
+/// one, and no more than a quarter of what is kept are zeros. `unknown`: of each column, one behind the other in a
+/// panel. None goes on over column `ends`.
+int panel_width(const std::vector<Entries>& columns, const std::vector<int>& parent, const std::vector<int>& unknown,
+                int ends, int j) {
   int width = 1, kept = columns[at(j)].count, best = 1;
-  while (width < SparseFactor::kWidest && parent[at(j + width - 1)] == j + width) {
+  while (width < SparseFactor::kWidest && parent[at(j + width - 1)] == j + width && j + width != ends &&
+         unknown[at(j + width)] == unknown[at(j)] + width) {
     const int last = columns[at(j + width)].count;
     kept += last;
     ++width;
@@ -161,9 +164,9 @@ void add_panel(const std::vector<Entries>& columns, int first, int width, Sparse
   factor.panels.push_back(panel);
 }
 
-}  // namespace
-
-SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values) {
+/// `unknown`: of each row and column of the pattern; those from `others` on are eliminated last.
+SparseFactor factor_of(const SymmetricPattern& pattern, const std::vector<double>& values,
+                       const std::vector<int>& unknown, int others) {
   Cholmod c(pattern, &values);
   c.common.method[0].ordering = CHOLMOD_NATURAL;
   c.common.postorder = 0;
@@ -179,12 +182,48 @@ SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double
             *count = static_cast<const int*>(c.factor->nz);
   const double* value = static_cast<const double*>(c.factor->x);
   std::vector<Entries> columns;
+  std::vector<int> parent;
   for (int j = 0; j < pattern.size(); ++j) columns.push_back({row + begin[j], value + begin[j], count[j]});
+  for (const Entries& column : columns) parent.push_back(column.count > 1 ? column.row[1] : -1);
   SparseFactor factor;
-  for (const Entries& column : columns) factor.parent.push_back(column.count > 1 ? column.row[1] : -1);
   for (int j = 0; j < pattern.size(); j += factor.panels.back().width)
-    add_panel(columns, j, panel_width(columns, factor.parent, j), factor);
+    add_panel(columns, j, panel_width(columns, parent, unknown, others, j), factor);
+  const std::vector<int> panels = std::move(factor.panel_of);
+  factor.panel_of.resize(panels.size());
+  factor.parent.resize(panels.size());
+  for (std::size_t j = 0; j < panels.size(); ++j) {
+    factor.panel_of[at(unknown[j])] = panels[j];
+    factor.parent[at(unknown[j])] = parent[j] < 0 ? -1 : unknown[at(parent[j])];
+  }
+  for (SparseFactor::Panel& panel : factor.panels) panel.first = unknown[at(panel.first)];
+  for (int& r : factor.row) r = unknown[at(r)];
   return factor;
+}
+
+}  // namespace
+
+SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values,
+                       const std::vector<char>& last) {
+  const int n = pattern.size();
+  std::vector<int> unknown, place(at(n));  // of each column, and back
+  for (const char behind : {0, 1})
+    for (int v = 0; v < n; ++v)
+      if ((last.empty() ? 0 : last[at(v)]) == behind) {
+        place[at(v)] = static_cast<int>(unknown.size());
+        unknown.push_back(v);
+      }
+  const int others = n - static_cast<int>(std::count(last.begin(), last.end(), 1));
+  if (!std::is_sorted(unknown.begin(), unknown.end())) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int j = 0; j < n; ++j)
+      for (int s = pattern.begin[at(j)]; s < pattern.begin[at(j) + 1]; ++s)
+        pairs.push_back({place[at(j)], place[at(pattern.row[at(s)])]});
+    const SymmetricPattern ordered = make_pattern(n, pairs);
+    std::vector<double> moved(values.size());
+    for (std::size_t s = 0; s < pairs.size(); ++s) moved[at(ordered.find(pairs[s][0], pairs[s][1]))] = values[s];
+    return factor_of(ordered, moved, unknown, others);
+  }
+  return factor_of(pattern, values, unknown, others);
 }
 
 std::vector<int> columns_for(const SparseFactor& factor, const std::vector<int>& unknowns) {
@@ -205,6 +244,9 @@ void down(const SparseFactor& L, const SparseFactor::Panel& panel, double* b) {
   const double* value = L.value.data() + panel.value;
   double* own = b + static_cast<std::ptrdiff_t>(panel.first) * Count;
   double x[Width][Count];
+  bool any = false;
+  for (int i = 0; i < Width * Count; ++i) any = any || own[i] != 0.0;
+  if (!any) return;  // no right side leads here
   for (int c = 0; c < Width; ++c, value += Width)
     for (int k = 0; k < Count; ++k) {
       double sum = own[c * Count + k];
@@ -243,36 +285,53 @@ void up(const SparseFactor& L, const SparseFactor::Panel& panel, double* b) {
     }
 }
 
-template <int Count>
-void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, double* b) {
+/// The panels of these columns, one behind the other.
+template <int Count, class Column>
+void solve_panels(const SparseFactor& L, Column column, Column end, bool downwards, double* b) {
   static_assert(SparseFactor::kWidest == 4);
   constexpr std::array kDown = {down<1, Count>, down<2, Count>, down<3, Count>, down<4, Count>};
   constexpr std::array kUp = {up<1, Count>, up<2, Count>, up<3, Count>, up<4, Count>};
-  const auto solve_panels = [&](auto column, auto end, const auto& kernels) {
-    int done = -1;
-    for (; column != end; ++column) {  // in order, so those of a panel come one behind the other
-      const int p = L.panel_of[at(*column)];
-      if (p == done) continue;
-      done = p;
-      const SparseFactor::Panel& panel = L.panels[at(p)];
-      kernels[at(panel.width - 1)](L, panel, b);
-    }
-  };
-  solve_panels(columns.begin(), columns.end(), kDown);
-  solve_panels(columns.rbegin(), columns.rend(), kUp);
+  int done = -1;
+  for (; column != end; ++column) {  // in order, so those of a panel come one behind the other
+    const int p = L.panel_of[at(*column)];
+    if (p == done) continue;
+    done = p;
+    const SparseFactor::Panel& panel = L.panels[at(p)];
+    (downwards ? kDown : kUp)[at(panel.width - 1)](L, panel, b);
+  }
+}
+
+struct Halves {
+  bool down, up;
+};
+
+template <int Count>
+void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, Halves halves, double* b) {
+  if (halves.down) solve_panels<Count>(L, columns.begin(), columns.end(), true, b);
+  if (halves.up) solve_panels<Count>(L, columns.rbegin(), columns.rend(), false, b);
+}
+
+void solve_halves(const SparseFactor& factor, const std::vector<int>& columns, Halves halves, Nodal& b) {
+  constexpr std::array kSolve = {solve_in_place<1>, solve_in_place<2>, solve_in_place<3>,
+                                 solve_in_place<4>, solve_in_place<5>, solve_in_place<6>};
+  if (b.cols() > 0 && at(b.cols()) <= kSolve.size()) return kSolve[at(b.cols()) - 1](factor, columns, halves, b.data());
+  for (Eigen::Index c = 0; c < b.cols(); ++c) {
+    Nodal one = b.col(c);
+    solve_in_place<1>(factor, columns, halves, one.data());
+    b.col(c) = one;
+  }
 }
 
 }  // namespace
 
 void solve(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b) {
-  constexpr std::array kSolve = {solve_in_place<1>, solve_in_place<2>, solve_in_place<3>,
-                                 solve_in_place<4>, solve_in_place<5>, solve_in_place<6>};
-  if (b.cols() > 0 && at(b.cols()) <= kSolve.size()) return kSolve[at(b.cols()) - 1](factor, columns, b.data());
-  for (Eigen::Index c = 0; c < b.cols(); ++c) {
-    Nodal one = b.col(c);
-    solve_in_place<1>(factor, columns, one.data());
-    b.col(c) = one;
-  }
+  solve_halves(factor, columns, {true, true}, b);
+}
+void solve_down(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b) {
+  solve_halves(factor, columns, {true, false}, b);
+}
+void solve_up(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b) {
+  solve_halves(factor, columns, {false, true}, b);
 }
 
 }  // namespace dea

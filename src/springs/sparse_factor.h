@@ -45,8 +45,10 @@ struct SparseFactor {
   std::vector<int> parent;    ///< per column: the first row below the diagonal (the elimination tree); -1: none
   int size() const { return static_cast<int>(parent.size()); }
 };
-/// Throws std::runtime_error if A is not positive definite.
-SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values);
+/// `last`: per unknown, eliminated behind all others, in panels of their own; their columns come out of order. Empty:
+/// none. Throws std::runtime_error if A is not positive definite.
+SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values,
+                       const std::vector<char>& last = {});
 
 /// The columns of L that take part where right sides are zero but at `unknowns` and solutions are asked for there only:
 /// these and what they lead to, ascending.
@@ -54,5 +56,10 @@ std::vector<int> columns_for(const SparseFactor& factor, const std::vector<int>&
 /// Solves A x = b in place, for these columns (columns_for): b is zero elsewhere, and x is right at the unknowns asked
 /// for.
 void solve(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b);
+/// Its two halves, b = L^-1 b and b = L^-T b, without the columns of those eliminated last. Of these the first leaves
+/// what of b the others do not account for, b_e - A_ei A_ii^-1 b_i; the second takes them as given:
+/// A_ii x_i = L_ii b_i - A_ie b_e.
+void solve_down(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b);
+void solve_up(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b);
 
 }  // namespace dea

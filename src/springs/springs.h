@@ -126,12 +126,15 @@ struct PressOptions {
 };
 
 /// What a search may start from: pressures at one pose, of the springs of all contacts that are pressed together, their
-/// rates (springs x 6 per pair of bodies, as SpringStates::rates), the poses of these pairs. Only the time changes with
-/// it: results do not, but in the last digits of the tolerance.
+/// rates (springs x 6 per pair of bodies, as SpringStates::rates; zero: not asked for), the poses of these pairs, and
+/// how they and the pressures had changed since the pose before. Only the time changes with it: results do not, but in
+/// the last digits of the tolerance.
 struct PressMemory {
   Eigen::VectorXd pressure;
   Eigen::MatrixXd rates;
   std::vector<Pose> source, target;
+  Eigen::VectorXd nearly;          ///< the pressures, and below zero what is missing for one
+  Eigen::VectorXd change, motion;  ///< of `nearly`; 6 per pair; empty: there was none
 };
 
 }  // namespace dea

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "src/base/parallel.h"
+#include "src/springs/near_inverse.h"
 #include "tests/analytic/elastic_layer.h"
 #include "tests/analytic/free_edges.h"
 #include "tests/analytic/linear_systems.h"
@@ -119,6 +121,53 @@ TEST(LayerContact, MeetsItsConditions) {
         EXPECT_LE(warm.applications, 10) << what;  // found: what is left is the last digits
         EXPECT_LT((warm.pressure - r.pressure).lpNorm<Eigen::Infinity>() / peak, 1e-7) << what;
       }
+}
+
+// Symmetric and positive, as conjugate gradients need it, on some of the feet; and so near to the inverse that they end
+// soon: the eigenvalues of its product with the compliance lie closer together than those of the compliance.
+TEST(LayerContact, NearInverseIsOne) {
+  for (const double nu : {0.0, 0.3, 0.45, 0.49}) {
+    Bumpy b(14, nu, LayerFit::TwoTerms);
+    for (const std::size_t layers : {2, 1}) {
+      LayerContact contact = b.contact;
+      contact.layers.resize(layers);
+      const VectorXd local = local_compliance(contact), weight = contact.area.cwiseProduct(local);
+      std::vector<char> asked(static_cast<std::size_t>(weight.size()), 0);
+      std::vector<Eigen::Index> feet;
+      for (Eigen::Index i = 0; i < weight.size(); ++i)
+        if (weight[i] > 0 && i % 100 < 70) {
+          asked[static_cast<std::size_t>(i)] = 1;
+          feet.push_back(i);
+        }
+      const MatrixXd one = MatrixXd::Identity(weight.size(), weight.size());
+      MatrixXd all = MatrixXd::Zero(weight.size(), weight.size());
+      for (const Eigen::Index i : feet) all(i, i) = 1;
+      for (const PressedLayer& of : contact.layers) add_near_inverse(*of.layer, *of.feet, weight, asked, one, all);
+      for (Eigen::Index i = 0; i < weight.size(); ++i) {
+        if (asked[static_cast<std::size_t>(i)]) continue;
+        EXPECT_TRUE(all.row(i).isZero(0) && all.col(i).isZero(0));
+      }
+      // in the inner product of areas times local compliance: by its roots from both sides
+      const auto symmetric = [&](const MatrixXd& m) {
+        const VectorXd root = weight(feet).cwiseSqrt();
+        const MatrixXd scaled = root.asDiagonal() * m(feet, feet) * root.cwiseInverse().asDiagonal();
+        EXPECT_LT((scaled - scaled.transpose()).norm(), 1e-12 * scaled.norm());
+        return MatrixXd(0.5 * (scaled + scaled.transpose()));
+      };
+      const MatrixXd P = symmetric(all),
+                     B = symmetric(local.cwiseInverse()
+                                       .unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; })
+                                       .asDiagonal() *
+                                   sinking(contact, one));
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> of_p(P), of_b(B);
+      ASSERT_GT(of_p.eigenvalues().minCoeff(), 0.05) << nu;
+      const MatrixXd root = of_p.operatorSqrt();
+      const VectorXd product = Eigen::SelfAdjointEigenSolver<MatrixXd>(root * B * root).eigenvalues();
+      const double spread = product.maxCoeff() / product.minCoeff(),
+                   before = of_b.eigenvalues().maxCoeff() / of_b.eigenvalues().minCoeff();
+      EXPECT_LT(spread, layers == 1 ? 0.6 * before : 0.75 * before) << nu << ", " << layers << " layers";
+    }
+  }
 }
 
 TEST(LayerContact, ApartIsNoPressure) {

@@ -144,6 +144,36 @@ TEST(SparseFactor, FewerColumnsGiveTheSameAtTheirUnknowns) {
   }
 }
 
+// Unknowns that are eliminated last, among the others by number: the first half leaves what the others do not account
+// for, the second takes them as given.
+TEST(SparseFactor, TheLastAreLeftAndTaken) {
+  const Grid by_rows(12, 9);
+  const Grid grid(12, 9, sparse_order(by_rows.pattern));
+  const int size = grid.pattern.size();
+  std::vector<char> last(static_cast<std::size_t>(size), 0);
+  std::vector<int> inner, outer;
+  for (int i = 0; i < size; ++i) (i % 5 == 1 || i > size - 4 ? outer : inner).push_back(i);
+  for (const int i : outer) last[static_cast<std::size_t>(i)] = 1;
+  const SparseFactor factor = factorise(grid.pattern, grid.values, last);
+  std::vector<int> columns = columns_for(factor, inner);
+  std::erase_if(columns, [&](int i) { return last[static_cast<std::size_t>(i)] != 0; });
+  EXPECT_EQ(columns, inner);
+  const MatrixXd ii = grid.dense(inner, inner), ie = grid.dense(inner, outer);
+  for (const int right : {1, 3}) {
+    const Nodal b = right_sides(size, all_of(size), right);
+    Nodal half = b;
+    solve_down(factor, inner, half);
+    const MatrixXd left =
+        MatrixXd(b(outer, Eigen::all)) - ie.transpose() * analytic::solve_dense(ii, b(inner, Eigen::all));
+    EXPECT_LT((half(outer, Eigen::all) - left).norm(), 1e-12 * left.norm());
+    half(outer, Eigen::all) = b(outer, Eigen::all);
+    solve_up(factor, inner, half);
+    const MatrixXd exact = analytic::solve_dense(ii, b(inner, Eigen::all) - ie * b(outer, Eigen::all));
+    EXPECT_LT((half(inner, Eigen::all) - exact).norm(), 1e-12 * exact.norm());
+    EXPECT_EQ(Nodal(half(outer, Eigen::all)), Nodal(b(outer, Eigen::all)));
+  }
+}
+
 // The order is a permutation, and fills less than row by row; a grid of 40 x 40 by rows has a band of 41.
 TEST(SparseFactor, OrderLeavesTheFactorSparse) {
   const Grid by_rows(40, 40);
