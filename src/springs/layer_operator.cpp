@@ -570,9 +570,6 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
   return op;
 }
 
-namespace {
-
-/// b p
 Nodal loads(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p) {
   Nodal load = Nodal::Zero(op.mesh.nodes(), p.cols());
   if (p.cols() == 1) {  // most calls
@@ -591,7 +588,6 @@ Nodal loads(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixX
   return load;
 }
 
-/// b_i . q of one foot
 double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
   double sum = 0;
   const double* value = q.data() + c;
@@ -600,6 +596,15 @@ double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
     sum += feet.weight[at(k)] * value[columns * feet.node[at(k)]];
   return sum;
 }
+
+Nodal solved(const SparseFactor& factor, const std::vector<char>& held, const std::vector<int>& columns, Nodal load) {
+  for (const int v : columns)
+    if (held[at(v)]) load.row(v).setZero();
+  solve(factor, columns, load);
+  return load;
+}
+
+namespace {
 
 /// The first half of q_0 for a load, at these vertices: at held edges the volume that flows out there, rho (L7).
 Nodal half_solved(const LayerOperator& op, const std::vector<int>& columns, Nodal load) {
@@ -627,14 +632,6 @@ Nodal with_edges_held(const LayerOperator& op, const std::vector<int>& columns, 
   return q;
 }
 
-/// q_1 for a load, at these vertices.
-Nodal second_term(const LayerOperator& op, const std::vector<int>& columns, Nodal load) {
-  for (const int v : columns)
-    if (op.held[1][at(v)]) load.row(v).setZero();
-  solve(op.factor[1], columns, load);
-  return load;
-}
-
 /// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; not `large`:
 /// small strain.
 template <class Excess>
@@ -654,7 +651,7 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
       }
   };
   if (op.law.terms == 2) {
-    const Nodal q = second_term(op, feet.columns[1], load);
+    const Nodal q = solved(op.factor[1], op.held[1], feet.columns[1], load);
     all += op.law.weight[1] * q;
     Nodal right_side = Nodal::Zero(q.rows(), q.cols());  // the fraction's square: S^-1 M_t S^-1
     add_times(op.pattern, op.onwards, feet.columns[1], q, right_side);
@@ -662,7 +659,7 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
       find_strain(&q);
       right_side -= (1 - own) * loads(op, feet, strain);
     }
-    all += second_term(op, feet.columns[1], std::move(right_side));
+    all += solved(op.factor[1], op.held[1], feet.columns[1], std::move(right_side));
   } else if (large) {
     find_strain(nullptr);
   }
@@ -723,7 +720,7 @@ Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const 
   std::vector<int> inner = all;
   std::erase_if(inner, [&](int v) { return op.edge_held[at(v)] != 0; });
   out.col(1) = with_edges_held(op, inner, half_solved(op, inner, load));
-  out.col(2) = second_term(op, all, load);
+  out.col(2) = solved(op.factor[1], op.held[1], all, load);
   // Beyond an edge where the layer goes on q_k decays like a polynomial times exp(-y); what it drives there comes in
   // over the edge with the terms of 1 - sqrt(1 - x) = x/2 + x^2/8 + x^3/16 + ...
   for (int k = 2; k <= powers; ++k) {
@@ -735,7 +732,7 @@ Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const 
     }
     add_times(op.pattern, op.mass, all, out.col(k), right_side);
     add_times(op.pattern, op.beyond, all, outside, right_side);
-    out.col(1 + k) = second_term(op, all, std::move(right_side));
+    out.col(1 + k) = solved(op.factor[1], op.held[1], all, std::move(right_side));
   }
   return out;
 }

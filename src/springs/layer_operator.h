@@ -119,6 +119,13 @@ struct LayerOperator {
 };
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
 
+/// b p [N mm], for pressures p, feet x columns.
+Nodal loads(const LayerOperator& layer, const LayerFeet& feet, const Eigen::MatrixXd& p);
+/// b_i . q of one foot, for column c.
+double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c);
+/// The solution for a load at these columns, 0 where it is held.
+Nodal solved(const SparseFactor& factor, const std::vector<char>& held, const std::vector<int>& columns, Nodal load);
+
 /// w [mm] for pressures [MPa], both feet x columns. `softening`: per foot, the slope of e(q) at the state about which
 /// (L9) is linear; null: small strain.
 Eigen::MatrixXd sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::MatrixXd& pressure,

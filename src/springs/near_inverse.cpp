@@ -18,22 +18,14 @@ void add_near_inverse(const LayerOperator& layer, const LayerFeet& feet, const V
     const double own = feet.area[at(i)] * feet.own[at(i)] / weight[i];
     return own < 1 - 1e-9 ? kNear.two * own : 1.0;
   };
-  Nodal q = Nodal::Zero(layer.mesh.nodes(), g.cols());
-  for (Index i = 0; i < g.rows(); ++i) {
-    if (!takes_part(i)) continue;
-    const double scale = std::sqrt(share(i) * weight[i] / feet.volume[at(i)]);
-    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j)
-      q.row(feet.node[at(j)]) += scale * feet.weight[at(j)] * g.row(i);
-  }
-  for (const int v : feet.columns[1])
-    if (layer.held[1][at(v)]) q.row(v).setZero();
-  solve(layer.near, feet.columns[1], q);
-  for (Index i = 0; i < g.rows(); ++i) {
-    if (!takes_part(i)) continue;
-    const double scale = std::sqrt(share(i) / (weight[i] * feet.volume[at(i)]));
-    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j)
-      inverse.row(i) -= scale * feet.weight[at(j)] * q.row(feet.node[at(j)]);
-  }
+  MatrixXd scaled = MatrixXd::Zero(g.rows(), g.cols());
+  for (Index i = 0; i < g.rows(); ++i)
+    if (takes_part(i)) scaled.row(i) = std::sqrt(share(i) * weight[i] / feet.volume[at(i)]) * g.row(i);
+  const Nodal q = solved(layer.near, layer.held[1], feet.columns[1], loads(layer, feet, scaled));
+  for (Index i = 0; i < g.rows(); ++i)
+    for (Index c = 0; c < g.cols() && takes_part(i); ++c)
+      inverse(i, c) -=
+          std::sqrt(share(i) / (weight[i] * feet.volume[at(i)])) * gathered(feet, static_cast<int>(i), q, c);
 }
 
 }  // namespace dea
