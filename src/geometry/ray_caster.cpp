@@ -348,16 +348,20 @@ void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radiu
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
+  // Farther away rounding tells no triangles apart, and each would be asked: a point on the way there has the same
+  // answer to the digits that are left.
+  const Vector3d away = x - tree_->center;
+  const double far = 1e9 * tree_->extent, distance = std::min(away.norm(), far);
+  const Vector3d from = away.norm() > far ? Vector3d(tree_->center + far * away.normalized()) : x;
   thread_local std::vector<Candidate> found;
   found.clear();
   double best = kInfinity;
   double radius = kInfinity;
-  // what rounding leaves of a distance
-  const double tolerance = 1e-12 * tree_->extent + 1e-15 * (x - tree_->center).norm();
-  near_to(*tree_, x, radius, [&](int t) {
+  const double tolerance = 1e-12 * tree_->extent + 1e-15 * distance;  // what rounding leaves
+  near_to(*tree_, from, radius, [&](int t) {
     Candidate c;
     c.point.triangle = t;
-    c.distance = std::sqrt(closest_on_triangle(*mesh_, t, x, &c.point.weights));
+    c.distance = std::sqrt(closest_on_triangle(*mesh_, t, from, &c.point.weights));
     if (c.distance > radius) return;
     found.push_back(c);
     best = std::min(best, c.distance);

@@ -123,8 +123,8 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
       d = way;
     curvature = 0;
     VectorXd step = (p - stride * d).cwiseMax(0.0) - p;  // the near inverse has the length, too
-    const bool whole = (p.array() >= stride * d.array()).all();
-    if (!(B.dot(free, step) < 0)) step = (p - 1 / B.largest() * free).cwiseMax(0.0) - p;
+    const bool led = B.dot(free, step) < 0, whole = led && (p.array() >= stride * d.array()).all();
+    if (!led) step = (p - 1 / B.largest() * free).cwiseMax(0.0) - p;
     const VectorXd change = B.apply(step).col(0);
     const double bend = B.dot(step, change), fall = -B.dot(free, step);
     if (!(bend > 0) || !(fall > 0)) return;  // the step is nothing but rounding
@@ -135,7 +135,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
       Bd = -change / stride;
       curvature = bend / (stride * stride);
     }
-    stride *= std::clamp(length, 0.5, 2.0);
+    if (led) stride *= std::clamp(length, 0.5, 2.0);
     // half of what is best lowers the energy, and so does twice as much: feet that are to let go do
     length = whole || length < 0.5 ? std::min(length, most) : 1.0;
     p = (p + length * step).cwiseMax(0.0);
@@ -197,9 +197,11 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   constexpr int kMaxSteps = 1000;
   ScaledContact B(contact);
   const Index columns = overlap_rates.cols();
+  std::vector<char> asked(active);
+  for (Index i = 0; i < overlap_rates.rows(); ++i) asked[at(i)] = active[at(i)] && B.weight[i] > 0;
   const auto mask = [&](MatrixXd& m) {
     for (Index i = 0; i < m.rows(); ++i)
-      if (!active[at(i)] || !(B.weight[i] > 0)) m.row(i).setZero();
+      if (!asked[at(i)]) m.row(i).setZero();
   };
   // conjugate gradients for all columns in step: a sparse solution of several columns costs little more than one
   ActiveRates result;
@@ -209,8 +211,6 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   const auto measure = [&] {
     for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
   };
-  std::vector<char> asked(active);
-  for (Index i = 0; i < r.rows(); ++i) asked[at(i)] = active[at(i)] && B.weight[i] > 0;
   measure();
   goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
