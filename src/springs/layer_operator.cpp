@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
+#include <stdexcept>
 #include <utility>
 
-#include "src/base/decompositions.h"
 #include "src/base/numbers.h"
 
 namespace dea {
@@ -55,12 +55,19 @@ void find_nearest_edges(const std::vector<double>& slope, double reach, LayerMes
     const Vector3d &a = mesh.vertices[at(edge.a)], &b = mesh.vertices[at(edge.b)];
     front = {edge.triangle};
     seen[at(edge.triangle)] = static_cast<int>(k);
+    // From its middle a vertex is as far as from the edge to half of its length: most are then known to be felt, or to
+    // be nearer to another edge.
+    const Vector3d middle = 0.5 * (a + b);
+    const double half = 0.5 * (b - a).norm() + 1e-9 * reach;
     while (!front.empty()) {
       const int t = front.back();
       front.pop_back();
       bool felt = false;
       for (int v : mesh.triangles[at(t)]) {
         const Vector3d& x = mesh.vertices[at(v)];
+        const double from_middle2 = (x - middle).squaredNorm(), farther = distance[at(v)] + half;
+        felt = felt || (half < reach && from_middle2 < (reach - half) * (reach - half));
+        if (from_middle2 > farther * farther && (felt || from_middle2 > (reach + half) * (reach + half))) continue;
         const double d = distance_to_segment(x, a, b);
         felt = felt || d < reach;
         if (d >= distance[at(v)]) continue;
@@ -79,33 +86,6 @@ void find_nearest_edges(const std::vector<double>& slope, double reach, LayerMes
       }
     }
   }
-}
-
-/// (L10), with the mass lumped, so that the least and the largest thickness bound it.
-std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector<double>& t) {
-  const double beta = layer_law({1.0, 0.3}, LayerFit::TwoTerms).beta[1];  // the same for every nu
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(t.size()));
-  for (int k = 0; k < mesh.size(); ++k) {
-    const auto& corner = mesh.triangles[at(k)];
-    const double A = mesh.areas[at(k)], h[3] = {t[at(corner[0])], t[at(corner[1])], t[at(corner[2])]};
-    const double squared = (h[0] * (h[0] + h[1] + h[2]) + h[1] * (h[1] + h[2]) + h[2] * h[2]) / 6;
-    const auto gradient = hat_gradients(mesh, k);
-    for (std::size_t i = 0; i < 3; ++i) {
-      entries.emplace_back(corner[i], corner[i], A / 3);
-      right[corner[i]] += A / 3 * h[i];
-      for (std::size_t j = 0; j < 3; ++j)
-        entries.emplace_back(corner[i], corner[j], beta * A * squared * gradient[i].dot(gradient[j]));
-    }
-  }
-  Eigen::SparseMatrix<double> matrix(right.size(), right.size());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::VectorXd smeared = solve_positive_definite(matrix, right);
-  if (smeared.size() != right.size()) return t;  // beyond what numbers can hold
-  const auto [least, most] = std::minmax_element(t.begin(), t.end());
-  std::vector<double> out(t.size());
-  for (std::size_t v = 0; v < t.size(); ++v) out[v] = std::clamp(smeared[static_cast<Eigen::Index>(v)], *least, *most);
-  return out;
 }
 
 /// The free edges, from vertex to vertex.
@@ -207,6 +187,38 @@ SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
   for (const auto& t : mesh.triangles)
     for (std::size_t e = 3; e < 6; ++e) pairs.push_back({t[kFirst[e]], t[kSecond[e]]});
   return make_pattern(static_cast<int>(mesh.vertices.size()), pairs);
+}
+
+/// (L10), with the mass lumped, so that the least and the largest thickness bound it.
+std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector<double>& t) {
+  const double beta = layer_law({1.0, 0.3}, LayerFit::TwoTerms).beta[1];  // the same for every nu
+  const SymmetricPattern pattern = pattern_of(mesh);
+  std::vector<double> values(at(pattern.entries()), 0.0);
+  Nodal smeared = Nodal::Zero(pattern.size(), 1);
+  for (int k = 0; k < mesh.size(); ++k) {
+    const auto& corner = mesh.triangles[at(k)];
+    const double A = mesh.areas[at(k)], h[3] = {t[at(corner[0])], t[at(corner[1])], t[at(corner[2])]};
+    const double squared = (h[0] * (h[0] + h[1] + h[2]) + h[1] * (h[1] + h[2]) + h[2] * h[2]) / 6;
+    const auto gradient = hat_gradients(mesh, k);
+    for (std::size_t e = 0; e < 6; ++e) {
+      const std::size_t i = kFirst[e], j = kSecond[e];
+      values[at(pattern.find(corner[i], corner[j]))] +=
+          beta * A * squared * gradient[i].dot(gradient[j]) + (i == j ? A / 3 : 0.0);
+    }
+    for (std::size_t i = 0; i < 3; ++i) smeared(corner[i], 0) += A / 3 * h[i];
+  }
+  std::vector<int> all(at(pattern.size()));
+  std::iota(all.begin(), all.end(), 0);
+  try {
+    solve(factorise(pattern, values), all, smeared);
+  } catch (const std::runtime_error&) {  // beyond what numbers can hold
+    return t;
+  }
+  const auto [least, most] = std::minmax_element(t.begin(), t.end());
+  std::vector<double> out(t.size());
+  for (std::size_t v = 0; v < t.size(); ++v)
+    out[v] = std::clamp(smeared(static_cast<Eigen::Index>(v), 0), *least, *most);
+  return out;
 }
 
 /// The vertices that lie no further than `reach` from some of `from`, along the mesh's edges.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <new>
 #include <stdexcept>
 
@@ -19,23 +20,17 @@ struct Cholmod {
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
 
-  Cholmod(const SymmetricPattern& pattern, const std::vector<double>* values) {
+  explicit Cholmod(const SymmetricPattern& pattern) {
     cholmod_start(&common);
     common.print = 0;
-    // Simplicial, so no BLAS and no threads: up to 200,000 unknowns it was no slower than supernodal with the reference
-    // BLAS. AMD: nested dissection took longer to find than it saved.
+    // Simplicial: its other module is not free for all. AMD: nested dissection took longer to find than it saved.
     common.supernodal = CHOLMOD_SIMPLICIAL;
     common.nmethods = 1;
     const std::size_t n = at(pattern.size());
-    matrix = cholmod_allocate_sparse(n, n, pattern.row.size(), 1, 1, -1, CHOLMOD_REAL, &common);
+    matrix = cholmod_allocate_sparse(n, n, pattern.row.size(), 1, 1, -1, CHOLMOD_PATTERN, &common);
     check();
     std::copy(pattern.begin.begin(), pattern.begin.end(), static_cast<int*>(matrix->p));
     std::copy(pattern.row.begin(), pattern.row.end(), static_cast<int*>(matrix->i));
-    double* x = static_cast<double*>(matrix->x);
-    if (values)
-      std::copy(values->begin(), values->end(), x);
-    else
-      std::fill_n(x, pattern.row.size(), 0.0);
   }
   ~Cholmod() {
     cholmod_free_factor(&factor, &common);
@@ -47,7 +42,7 @@ struct Cholmod {
 
   void check() const {
     if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (common.status < CHOLMOD_OK) throw std::runtime_error("sparse factorisation failed");
+    if (common.status < CHOLMOD_OK) throw std::runtime_error("no order of the unknowns was found");
   }
 };
 
@@ -77,7 +72,7 @@ SymmetricPattern make_pattern(int size, const std::vector<std::array<int, 2>>& p
 }
 
 std::vector<int> sparse_order(const SymmetricPattern& pattern) {
-  Cholmod c(pattern, nullptr);
+  Cholmod c(pattern);
   c.common.method[0].ordering = CHOLMOD_AMD;
   c.common.postorder = 1;
   c.factor = cholmod_analyze(c.matrix, &c.common);
@@ -119,22 +114,48 @@ void add_times(const SymmetricPattern& pattern, const std::vector<double>& value
 
 namespace {
 
-/// A column of L: its rows and values, the diagonal first.
-struct Entries {
-  const int* row;
-  const double* value;
-  int count;
-};
+using Rows = std::vector<std::vector<int>>;
+
+/// Of each column of L the rows below the diagonal, ascending: those of A and those of the columns that lead to it.
+Rows rows_of_factor(const SymmetricPattern& pattern) {
+  const int n = pattern.size();
+  Rows rows(at(n));
+  std::vector<int> child(at(n), -1), sibling(at(n), -1), seen(at(n), -1), more;
+  for (int j = 0; j < n; ++j) {
+    int longest = child[at(j)];
+    for (int c = longest; c >= 0; c = sibling[at(c)])
+      if (rows[at(c)].size() > rows[at(longest)].size()) longest = c;
+    std::vector<int>& own = rows[at(j)];
+    if (longest >= 0) own.assign(rows[at(longest)].begin() + 1, rows[at(longest)].end());
+    seen[at(j)] = j;
+    for (const int i : own) seen[at(i)] = j;
+    more.clear();
+    const auto add = [&](int i) {
+      if (seen[at(i)] != j) more.push_back(i);
+      seen[at(i)] = j;
+    };
+    for (int s = pattern.begin[at(j)]; s < pattern.begin[at(j) + 1]; ++s) add(pattern.row[at(s)]);
+    for (int c = child[at(j)]; c >= 0; c = sibling[at(c)])
+      for (const int i : rows[at(c)]) add(i);
+    std::sort(more.begin(), more.end());
+    const auto middle = own.insert(own.end(), more.begin(), more.end());
+    std::inplace_merge(own.begin(), middle, own.end());
+    if (own.empty()) continue;
+    sibling[at(j)] = child[at(own.front())];
+    child[at(own.front())] = j;
+  }
+  return rows;
+}
 
 /// How many columns from j on make a panel: each leads to the next, so that the rows of all are among those of the last
 /// one, and no more than a quarter of what is kept are zeros. `unknown`: of each column, one behind the other in a
 /// panel. None goes on over column `ends`.
-int panel_width(const std::vector<Entries>& columns, const std::vector<int>& parent, const std::vector<int>& unknown,
-                int ends, int j) {
-  int width = 1, kept = columns[at(j)].count, best = 1;
-  while (width < SparseFactor::kWidest && parent[at(j + width - 1)] == j + width && j + width != ends &&
-         unknown[at(j + width)] == unknown[at(j)] + width) {
-    const int last = columns[at(j + width)].count;
+int panel_width(const Rows& rows, const std::vector<int>& unknown, int ends, int j) {
+  const auto count = [&](int column) { return static_cast<int>(rows[at(column)].size()) + 1; };
+  int width = 1, kept = count(j), best = 1;
+  while (width < SparseFactor::kWidest && count(j + width - 1) > 1 && rows[at(j + width - 1)].front() == j + width &&
+         j + width != ends && unknown[at(j + width)] == unknown[at(j)] + width) {
+    const int last = count(j + width);
     kept += last;
     ++width;
     const int stored = width * (width + 1) / 2 + width * (last - 1);
@@ -143,57 +164,104 @@ int panel_width(const std::vector<Entries>& columns, const std::vector<int>& par
   return best;
 }
 
-void add_panel(const std::vector<Entries>& columns, int first, int width, SparseFactor& factor) {
-  const Entries& last = columns[at(first + width - 1)];
-  SparseFactor::Panel panel{first, width, static_cast<int>(factor.row.size()), last.count - 1,
-                            static_cast<std::ptrdiff_t>(factor.value.size())};
-  factor.row.insert(factor.row.end(), last.row + 1, last.row + last.count);
-  factor.value.resize(factor.value.size() + at(width) * at(width + panel.rows), 0.0);
-  double* value = factor.value.data() + panel.value;
-  for (int c = 0; c < width; ++c) {
-    const Entries& column = columns[at(first + c)];
-    int below = 0;  // of the panel's rows
-    for (int s = 0; s < column.count; ++s) {
-      const int own = column.row[s] - first;
-      if (own >= width)
-        while (last.row[1 + below] != column.row[s]) ++below;
-      value[(own < width ? own : width + below) * width + c] = own == c ? 1 / column.value[s] : column.value[s];
+/// Room for the values of these columns, all zero.
+void add_panel(const Rows& rows, int first, int width, SparseFactor& factor) {
+  const std::vector<int>& last = rows[at(first + width - 1)];
+  const int below = static_cast<int>(last.size());
+  factor.panel_of.insert(factor.panel_of.end(), at(width), static_cast<int>(factor.panels.size()));
+  factor.panels.push_back(
+      {first, width, static_cast<int>(factor.row.size()), below, static_cast<std::ptrdiff_t>(factor.value.size())});
+  factor.row.insert(factor.row.end(), last.begin(), last.end());
+  factor.value.resize(factor.value.size() + at(width) * at(width + below), 0.0);
+}
+
+/// Takes from a panel what an earlier one, of this width, accounts for: its rows from `begin` on, of which those up to
+/// `end` are the panel's own columns. `place`: of a row in the panel.
+template <int Width>
+void subtract(const SparseFactor& L, const SparseFactor::Panel& from, int begin, int end, const std::vector<int>& place,
+              const SparseFactor::Panel& panel, double* value) {
+  const int* row = L.row.data() + from.row;
+  const double* below = L.value.data() + from.value + Width * Width;
+  for (int i = begin; i < from.rows; ++i) {
+    double* to = value + static_cast<std::ptrdiff_t>(place[at(row[i])]) * panel.width;
+    const double* x = below + static_cast<std::ptrdiff_t>(i) * Width;
+    for (int j = begin; j < end && j <= i; ++j) {
+      const double* y = below + static_cast<std::ptrdiff_t>(j) * Width;
+      double sum = x[0] * y[0];
+      for (int c = 1; c < Width; ++c) sum += x[c] * y[c];
+      to[row[j] - panel.first] -= sum;
     }
-    factor.panel_of.push_back(static_cast<int>(factor.panels.size()));
   }
-  factor.panels.push_back(panel);
+}
+
+/// A panel's own columns, once the earlier ones are taken from it.
+void factorise_panel(const SparseFactor::Panel& panel, double* value) {
+  const int width = panel.width, rows = width + panel.rows;
+  for (int c = 0; c < width; ++c) {
+    const double* own = value + static_cast<std::ptrdiff_t>(c) * width;
+    double diagonal = own[c];
+    for (int d = 0; d < c; ++d) diagonal -= own[d] * own[d];
+    if (!(diagonal > 0)) throw std::runtime_error("sparse factorisation: not positive definite");
+    const double inverse = 1 / std::sqrt(diagonal);
+    for (int i = c + 1; i < rows; ++i) {
+      double* x = value + static_cast<std::ptrdiff_t>(i) * width;
+      double sum = x[c];
+      for (int d = 0; d < c; ++d) sum -= x[d] * own[d];
+      x[c] = sum * inverse;
+    }
+    value[static_cast<std::ptrdiff_t>(c) * width + c] = inverse;
+  }
+}
+
+/// The values of L, panel by panel: each waits for the panels that have rows among its columns.
+void fill_panels(const SymmetricPattern& pattern, const std::vector<double>& values, SparseFactor& factor) {
+  static_assert(SparseFactor::kWidest == 4);
+  constexpr std::array kSubtract = {subtract<1>, subtract<2>, subtract<3>, subtract<4>};
+  const std::size_t count = factor.panels.size();
+  std::vector<int> first(count, -1), next(count, -1), done(count, 0), place(at(pattern.size()), 0);
+  const auto wait = [&](int p) {  // for the panel of its next row
+    const SparseFactor::Panel& panel = factor.panels[at(p)];
+    if (done[at(p)] == panel.rows) return;
+    const std::size_t at_panel = at(factor.panel_of[at(factor.row[at(panel.row + done[at(p)])])]);
+    next[at(p)] = first[at_panel];
+    first[at_panel] = p;
+  };
+  for (int p = 0; p < static_cast<int>(count); ++p) {
+    const SparseFactor::Panel& panel = factor.panels[at(p)];
+    double* value = factor.value.data() + panel.value;
+    for (int k = 0; k < panel.width; ++k) place[at(panel.first + k)] = k;
+    for (int k = 0; k < panel.rows; ++k) place[at(factor.row[at(panel.row + k)])] = panel.width + k;
+    for (int c = 0; c < panel.width; ++c)
+      for (int s = pattern.begin[at(panel.first + c)]; s < pattern.begin[at(panel.first + c) + 1]; ++s)
+        value[static_cast<std::ptrdiff_t>(place[at(pattern.row[at(s)])]) * panel.width + c] = values[at(s)];
+    for (int q = first[at(p)], following; q >= 0; q = following) {
+      following = next[at(q)];
+      const SparseFactor::Panel& from = factor.panels[at(q)];
+      int end = done[at(q)];
+      while (end < from.rows && factor.row[at(from.row + end)] < panel.first + panel.width) ++end;
+      kSubtract[at(from.width - 1)](factor, from, done[at(q)], end, place, panel, value);
+      done[at(q)] = end;
+      wait(q);
+    }
+    factorise_panel(panel, value);
+    wait(p);
+  }
 }
 
 /// `unknown`: of each row and column of the pattern; those from `others` on are eliminated last.
 SparseFactor factor_of(const SymmetricPattern& pattern, const std::vector<double>& values,
                        const std::vector<int>& unknown, int others) {
-  Cholmod c(pattern, &values);
-  c.common.method[0].ordering = CHOLMOD_NATURAL;
-  c.common.postorder = 0;
-  c.common.final_ll = 1;
-  c.factor = cholmod_analyze(c.matrix, &c.common);
-  c.check();
-  cholmod_factorize(c.matrix, c.factor, &c.common);
-  c.check();
-  if (c.common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
-  cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, c.factor, &c.common);
-  c.check();
-  const int *begin = static_cast<const int*>(c.factor->p), *row = static_cast<const int*>(c.factor->i),
-            *count = static_cast<const int*>(c.factor->nz);
-  const double* value = static_cast<const double*>(c.factor->x);
-  std::vector<Entries> columns;
-  std::vector<int> parent;
-  for (int j = 0; j < pattern.size(); ++j) columns.push_back({row + begin[j], value + begin[j], count[j]});
-  for (const Entries& column : columns) parent.push_back(column.count > 1 ? column.row[1] : -1);
+  const Rows rows = rows_of_factor(pattern);
   SparseFactor factor;
   for (int j = 0; j < pattern.size(); j += factor.panels.back().width)
-    add_panel(columns, j, panel_width(columns, parent, unknown, others, j), factor);
+    add_panel(rows, j, panel_width(rows, unknown, others, j), factor);
+  fill_panels(pattern, values, factor);
   const std::vector<int> panels = std::move(factor.panel_of);
   factor.panel_of.resize(panels.size());
   factor.parent.resize(panels.size());
   for (std::size_t j = 0; j < panels.size(); ++j) {
     factor.panel_of[at(unknown[j])] = panels[j];
-    factor.parent[at(unknown[j])] = parent[j] < 0 ? -1 : unknown[at(parent[j])];
+    factor.parent[at(unknown[j])] = rows[j].empty() ? -1 : unknown[at(rows[j].front())];
   }
   for (SparseFactor::Panel& panel : factor.panels) panel.first = unknown[at(panel.first)];
   for (int& r : factor.row) r = unknown[at(r)];
