@@ -63,7 +63,7 @@ VectorXd solve_upper_transposed(const MatrixXd& R, const VectorXd& b) {
 
 VectorXd solve_regular(const MatrixXd& A, const VectorXd& b) { return A.partialPivLu().solve(b); }
 
-VectorXd solve_least_norm(const MatrixXd& A, const VectorXd& b) { return A.completeOrthogonalDecomposition().solve(b); }
+MatrixXd solve_least_norm(const MatrixXd& A, const MatrixXd& b) { return A.completeOrthogonalDecomposition().solve(b); }
 
 VectorXd solve_positive_definite(const Sparse& A, const VectorXd& b) {
   const Eigen::SimplicialLDLT<Sparse> factors(A);

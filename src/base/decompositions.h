@@ -49,7 +49,7 @@ Eigen::VectorXd solve_upper_transposed(const Eigen::MatrixXd& R, const Eigen::Ve
 
 /// x of A x = b: A square and regular; A of any shape and rank, the x of least norm among those of least |A x - b|.
 Eigen::VectorXd solve_regular(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-Eigen::VectorXd solve_least_norm(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+Eigen::MatrixXd solve_least_norm(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 
 /// x of A x = b, A sparse, symmetric and positive definite; empty where A is not.
 Eigen::VectorXd solve_positive_definite(const Eigen::SparseMatrix<double>& A, const Eigen::VectorXd& b);

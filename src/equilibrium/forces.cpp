@@ -12,13 +12,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The derivative directs the next step: a share eta of it that is wrong leaves eta of the residual, so with eta in
-/// proportion to the residual steps still converge by squares (Dembo, Eisenstat and Steihaug 1982, SIAM J Numer Anal
-/// 19:400). `tolerance`: of the pressures, which falls with the square of the residual (tolerance_after). Near balance
-/// it is small enough for motions that little resists, about a centre of mass far from the joint, and for telling
-/// whether balance is stable.
+/// The derivative directs the next step: a share eta of it that is wrong leaves eta of the residual, so far from
+/// balance it need not be known closely (Dembo, Eisenstat and Steihaug 1982, SIAM J Numer Anal 19:400). `tolerance`: of
+/// the pressures, which falls as balance comes near (tolerance_after). Started from the rates at the last pose, the
+/// stiffness is wrong by the square of it, but for what bulges at rims add (solve_active): near balance that is small
+/// enough for motions that little resists, about a centre of mass far from
+/// the joint, and for telling whether balance is stable.
 double rate_tolerance(double tolerance) {
-  constexpr double kFinest = 1e-4, kCoarsest = 1e-2;
+  constexpr double kFinest = 1e-2, kCoarsest = 3e-2;
   return std::clamp(std::sqrt(tolerance), kFinest, kCoarsest);
 }
 
@@ -157,7 +158,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
 
 double tolerance_after(double residual) {
   constexpr double kCoarsest = 1e-3;
-  return std::clamp(0.01 * residual * std::min(1.0, residual), kPressureTolerance, kCoarsest);
+  constexpr double kMostFall = 0.003;  // of the residual in a step
+  return std::clamp(0.02 * residual * std::clamp(residual, kMostFall, 1.0), kPressureTolerance, kCoarsest);
 }
 
 }  // namespace dea

@@ -59,7 +59,7 @@ Eigen::VectorXd free_part(const Problem& problem, const Eigen::VectorXd& all);
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses);
 
 /// Tolerance of the layers' pressures after a step: far from balance they need not be known closely, only to a
-/// hundredth of what the next step leaves. `residual`: unbalanced / load at the pose it starts from.
+/// fiftieth of what the next step leaves. `residual`: unbalanced / load at the pose it starts from.
 double tolerance_after(double residual);
 
 }  // namespace dea

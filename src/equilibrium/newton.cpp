@@ -112,7 +112,7 @@ Directions directions_at(const Search& s, const VectorXd& r) {
 bool press_more_closely(Search& s) {
   Problem& problem = s.problem;
   const double before = s.e.tolerance;
-  if (!(before > kPressureTolerance && s.size <= 30.0 * before * s.e.load)) return false;
+  if (!(before > kPressureTolerance && s.size <= 3.0 * before * s.e.load)) return false;
   problem.tolerance = tolerance_after(s.e.load > 0 ? s.size / s.e.load : 0.0);
   if (problem.tolerance > 0.1 * before) problem.tolerance = kPressureTolerance;
   s.e = evaluate(problem, std::move(s.e.poses));

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "src/base/decompositions.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/springs/near_inverse.h"
@@ -181,8 +182,9 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
       return of.softening.size() == 0 || of.softening.isZero(0.0);
     });
     // Newton's step squares the error: no need to solve it closer than that
-    const double goal = linear ? options.tolerance
-                               : std::max(0.3 * options.tolerance, std::min(0.1, result.residual) * result.residual);
+    const double goal = linear
+                            ? options.tolerance
+                            : std::max(0.3 * options.tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
     solve_bounded(B, p, z, goal, options);
   }
   result.active.resize(at(n));
@@ -214,29 +216,44 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   measure();
   goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
+  MatrixXd known, seen, energy;  // where it starts, what B makes of it, and their product
   if (start.size() > 0) {
     assert(start.rows() == r.rows() && start.cols() == columns);
-    result.pressure = start;
-    mask(result.pressure);
-    r -= B.apply(result.pressure);
-    mask(r);
+    // the best that can be made of them, columns mixed: it leaves nothing of the residual along them, nor do later
+    // steps (Saad, Yeung, Erhel and Guyomarc'h 2000, SIAM J Sci Comput 21:1909)
+    known = start;
+    mask(known);
+    seen = B.apply(known);
+    mask(seen);
+    energy = known.transpose() * B.weight.asDiagonal() * seen;
+    const MatrixXd share = solve_least_norm(energy, known.transpose() * B.weight.asDiagonal() * r);
+    result.pressure = known * share;
+    r -= seen * share;
     measure();
   }
-  MatrixXd way = B.way(asked, r), d = way;
+  const auto way_on = [&]() -> MatrixXd {
+    MatrixXd way = B.way(asked, r);
+    if (start.size() > 0) way -= known * solve_least_norm(energy, seen.transpose() * B.weight.asDiagonal() * way);
+    return way;
+  };
+  MatrixXd way = way_on(), d = way;
   VectorXd along(columns);  // the residual's own product with the way
   for (Index c = 0; c < columns; ++c) along[c] = B.dot(r.col(c), way.col(c));
   while ((size.array() > goal.array()).any() && B.applications < kMaxSteps) {
     end_if_stopped(stop);
     MatrixXd Bd = B.apply(d);
     mask(Bd);
+    bool moved = false;
     for (Index c = 0; c < columns; ++c) {
       const double curvature = B.dot(d.col(c), Bd.col(c));
       if (size[c] <= goal[c] || !(curvature > 0)) continue;
       const double step = along[c] / curvature;
+      moved = moved || step != 0;
       result.pressure.col(c) += step * d.col(c);
       r.col(c) -= step * Bd.col(c);
     }
-    way = B.way(asked, r);
+    if (!moved) break;  // nothing but rounding is left
+    way = way_on();
     for (Index c = 0; c < columns; ++c) {
       if (size[c] <= goal[c]) continue;
       size[c] = B.dot(r.col(c), r.col(c));

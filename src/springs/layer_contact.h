@@ -60,7 +60,9 @@ LayerPressure solve_contact(LayerContact& contact, const Eigen::VectorXd& overla
 
 /// Derivative of (L4) with the active set held: rates of p for rates of the overlap, both feet x columns (one per
 /// motion), about the contact's softenings. Rows of feet that are not active are ignored and come back zero.
-/// `tolerance`: per column, relative. `start`: rates to start from, or empty. `stop`: as in LayerContactOptions.
+/// `tolerance`: per column, relative. `start`: rates from which those to start from are mixed, or empty. From a start
+/// what the rates do along the overlap rates, a stiffness, is wrong by the square of the tolerance alone, for the
+/// residual has nothing along what is in them. `stop`: as in LayerContactOptions.
 struct ActiveRates {
   Eigen::MatrixXd pressure;
   bool converged = false;

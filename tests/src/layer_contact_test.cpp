@@ -208,6 +208,36 @@ TEST(LayerContact, RatesAreTheDerivative) {
   }
 }
 
+// From rates that are wrong by a hundredth and more, columns mixed: the stiffness they make is wrong by the square of
+// what they are wrong by, and never too stiff.
+TEST(LayerContact, StiffnessIsWrongByTheSquare) {
+  for (LayerFit fit : kFits) {
+    Bumpy b(16, 0.45, fit);
+    const LayerPressure r = solve_contact(b.contact, b.overlap, {}, {1e-13, 2000, true});
+    MatrixXd motions(b.overlap.size(), 2);
+    motions.col(0).setOnes();
+    motions.col(1) = at_feet(b.surface, [](const Vector3d& x) { return x.x() - 8; });
+    for (Eigen::Index i = 0; i < motions.rows(); ++i)
+      if (!r.active[static_cast<std::size_t>(i)]) motions.row(i).setZero();
+    const MatrixXd exact = solve_active(b.contact, r.active, motions, 1e-12).pressure;
+    const auto stiffness = [&](const MatrixXd& rates) -> MatrixXd {
+      return motions.transpose() * b.contact.area.asDiagonal() * rates;
+    };
+    MatrixXd start(exact.rows(), 2);
+    start.col(0) = exact.col(0) - 0.3 * exact.col(1);
+    start.col(1) = 2 * exact.col(1);
+    for (Eigen::Index i = 0; i < start.rows(); ++i) start.row(i) *= 1 + 0.05 * std::sin(7.0 * static_cast<double>(i));
+    for (const double tolerance : {0.1, 0.03, 0.01}) {
+      const MatrixXd rates = solve_active(b.contact, r.active, motions, tolerance, start).pressure;
+      const double wrong = (rates - exact).norm() / exact.norm();
+      const MatrixXd missing = stiffness(exact) - stiffness(rates);
+      EXPECT_GT(wrong, 1e-5) << "the start is no test";
+      EXPECT_LT(missing.norm() / stiffness(exact).norm(), 10 * wrong * wrong) << name(fit) << " " << tolerance;
+      EXPECT_GT(missing.diagonal().minCoeff(), -1e-10 * stiffness(exact).norm());
+    }
+  }
+}
+
 TEST(LayerContact, DoesNotDependOnThreads) {
   VectorXd p[2];
   for (const int threads : {1, 2}) {
