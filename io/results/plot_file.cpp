@@ -357,6 +357,8 @@ std::vector<SurfaceField> check_fields() {
 /// Each surface once, at the first contact that has it.
 void add_check_fields(const JointModel& model, const PlotHead& head, const JointCheck& check,
                       const std::vector<SurfaceField>& fields, XpltState& state) {
+  const FieldMaps maps = make_field_maps(model, check.joint);
+  const std::vector<ContactFields> at_start = fields_at_start(check, maps);
   std::vector<char> done(model.surfaces.size(), 0);
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     for (int side = 0; side < 2; ++side) {
@@ -364,9 +366,9 @@ void add_check_fields(const JointModel& model, const PlotHead& head, const Joint
       const std::size_t surface = at(layer.surface);
       if (head.surface[surface] == 0 || done[surface]) continue;
       done[surface] = 1;
-      add_field_values(
-          fields, {model.surfaces[surface], layer, check.fields[c].sides[side], &check.maps.contacts[c].layers[side]},
-          head.surface[surface], 0, state);
+      add_field_values(fields,
+                       {model.surfaces[surface], layer, at_start[c].sides[side], &maps.contacts[c].layers[side]},
+                       head.surface[surface], 0, state);
     }
   }
   for (auto& regions : state.variables)
@@ -383,7 +385,7 @@ void add_spring_lines(const JointCheck& check, XpltMesh& mesh) {
     for (int id : d.element_ids) next_element = std::max(next_element, id + 1);
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
-    const SpringStates& springs = check.reference.springs[c];
+    const SpringStates& springs = check.springs[c];
     XpltDomain lines = {xplt_element_type(ElementShape::Line2),
                         static_cast<int>(mesh.parts.size()) + 1,
                         fmt::format("springs {}", pair.name),

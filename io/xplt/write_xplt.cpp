@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -258,7 +259,11 @@ template <class Numbers>
 void leaf_of_all(std::string& out, std::uint32_t id, const Numbers& numbers) {
   if (numbers.empty()) return;
   const OpenChunk chunk(out, id);
-  for (const auto number : numbers) put(out, number);
+  static_assert(sizeof(numbers[0]) == 4);
+  if constexpr (std::endian::native == std::endian::little)  // as `put` has it, all at once
+    out.append(reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size());
+  else
+    for (const auto number : numbers) put(out, number);
 }
 
 void prefixed_name(std::string& out, std::uint32_t id, const std::string& name) {

@@ -33,6 +33,9 @@ struct RayCaster::Tree {
   std::vector<Node> nodes;  // the root first; none: the surface has no triangles
   Vector3d center;          // of all vertices
   double extent;            // no two points of the surface are farther apart than this
+  /// Per triangle: a third of its longest side squared. By |x - sum w_k v_k|^2 = sum w_k |x - v_k|^2 - sum over j < k
+  /// of w_j w_k |v_j - v_k|^2 no point of it is nearer to x than its nearest vertex, squared, less this.
+  std::vector<double> sag;
 };
 
 namespace {
@@ -146,8 +149,12 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   Box box;
   if (mesh_->vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
   for (const Vector3d& x : mesh_->vertices) box.extend(x);
-  tree_ =
-      std::make_shared<const Tree>(Tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm()});
+  Tree tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm(), {}};
+  for (int t = 0; t < mesh_->size(); ++t) {
+    const Vector3d &a = mesh_->corner(t, 0), &b = mesh_->corner(t, 1), &c = mesh_->corner(t, 2);
+    tree.sag.push_back(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}) / 3);
+  }
+  tree_ = std::make_shared<const Tree>(std::move(tree));
 }
 
 namespace {
@@ -207,15 +214,18 @@ bool intersect(const SurfaceMesh& mesh, int t, const Vector3d& origin, const Vec
   return true;
 }
 
-/// Of all crossings with d in (from, to) the one of smallest |d|, the lowest-numbered triangle of those at the same
-/// place.
-LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3d& origin,
-                        const Vector3d& direction, double from, double to, double min_facing) {
+}  // namespace
+
+LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,
+                                  double to, double min_facing) const {
+  const Tree& tree = *tree_;
+  const SurfaceMesh& mesh = *mesh_;
   thread_local std::vector<Candidate> found;
   LineHit result;
   if (!(from < to) || tree.nodes.empty()) return result;
   found.clear();
-  double best = kInfinity, low = from, high = to;
+  double best = kInfinity, low = from, high = to;  // of what counts: beyond the limit, or, so far, all
+  bool beyond = false;                             // the limit something was found
   const double tolerance = 1e-9 * tree.extent;
   const auto look_at = [&](int t) {
     if (!(mesh.normals[at(t)].dot(direction) < -min_facing)) return;
@@ -223,11 +233,18 @@ LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, co
     c.point.triangle = t;
     if (!intersect(mesh, t, origin, direction, &c.distance, &c.point.weights)) return;
     if (!(c.distance > from && c.distance < to)) return;
+    const bool counts = c.distance > limit;
+    if (beyond && !counts) return;
+    if (counts && !beyond) {
+      beyond = true;
+      best = kInfinity;
+      low = std::max(from, limit);
+    }
     found.push_back(c);
     if (!(std::abs(c.distance) < best)) return;
     best = std::abs(c.distance);
     low = std::max(low, -(best + tolerance));
-    high = std::min(high, best + tolerance);
+    if (beyond) high = std::min(high, best + tolerance);
   };
 
   // Planes of a box that the line meets first and last, per axis; all moved out by the padding.
@@ -264,22 +281,12 @@ LineHit nearest_between(const RayCaster::Tree& tree, const SurfaceMesh& mesh, co
   } while (waiting.pop(&distance, &number));
 
   for (const Candidate& c : found) {
-    if (std::abs(c.distance) > best + tolerance) continue;
+    if (std::abs(c.distance) > best + tolerance || (beyond && !(c.distance > limit))) continue;
     if (result.point.triangle >= 0 && c.point.triangle > result.point.triangle) continue;
     result.point = c.point;
     result.distance = c.distance;
   }
   return result;
-}
-
-}  // namespace
-
-LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,
-                                  double to, double min_facing) const {
-  const LineHit hit = nearest_between(*tree_, *mesh_, origin, direction, std::max(from, limit), to, min_facing);
-  if (hit.point.triangle >= 0) return hit;
-  return nearest_between(*tree_, *mesh_, origin, direction, from, std::min(to, std::nextafter(limit, kInfinity)),
-                         min_facing);
 }
 
 // ---- closest points -------------------------------------------------------------------------------------------------
@@ -319,11 +326,16 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
 /// Calls `look_at(t)` for all triangles that have a point within `radius` of x, and some others, the near ones early.
 /// `radius` may shrink on the way.
 template <class LookAt>
-void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radius, const LookAt& look_at) {
+void near_to(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3d& x, const double& radius,
+             const LookAt& look_at) {
   if (tree.nodes.empty()) return;
   const auto within2 = [&] {
     const double r = radius * (1 + 1e-14) + kPadding * tree.extent;
     return r * r;
+  };
+  const auto nearest_vertex2 = [&](int t) {
+    return std::min({(mesh.corner(t, 0) - x).squaredNorm(), (mesh.corner(t, 1) - x).squaredNorm(),
+                     (mesh.corner(t, 2) - x).squaredNorm()});
   };
   Waiting waiting;
   int number = 0;
@@ -337,10 +349,10 @@ void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radiu
     waiting.start();
     for (int k = 0; k < node.children; ++k) {
       if (child2[k] > within2()) continue;
-      if (node.child[k] < 0)
-        look_at(~node.child[k]);
-      else
+      if (node.child[k] >= 0)
         waiting.push(child2[k], node.child[k]);
+      else if (const int t = ~node.child[k]; !(nearest_vertex2(t) - tree.sag[at(t)] > within2()))
+        look_at(t);
     }
   } while (waiting.pop(&distance2, &number));
 }
@@ -358,7 +370,7 @@ SurfacePoint RayCaster::closest(const Vector3d& x) const {
   double best = kInfinity;
   double radius = kInfinity;
   const double tolerance = 1e-12 * tree_->extent + 1e-15 * distance;  // what rounding leaves
-  near_to(*tree_, from, radius, [&](int t) {
+  near_to(*tree_, *mesh_, from, radius, [&](int t) {
     Candidate c;
     c.point.triangle = t;
     c.distance = std::sqrt(closest_on_triangle(*mesh_, t, from, &c.point.weights));
@@ -375,7 +387,7 @@ SurfacePoint RayCaster::closest(const Vector3d& x) const {
 
 std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
   std::vector<int> found;
-  near_to(*tree_, x, radius, [&](int t) {
+  near_to(*tree_, *mesh_, x, radius, [&](int t) {
     std::array<double, 3> weights;
     if (closest_on_triangle(*mesh_, t, x, &weights) <= radius * radius) found.push_back(t);
   });

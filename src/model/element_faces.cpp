@@ -9,10 +9,19 @@
 namespace dea {
 
 int facet_corners(int facet_nodes) {
-  const auto is_one_of = [&](std::initializer_list<int> counts) {
-    return std::count(counts.begin(), counts.end(), facet_nodes) > 0;
-  };
-  return is_one_of({3, 6, 7, 10}) ? 3 : is_one_of({4, 8, 9}) ? 4 : 0;
+  switch (facet_nodes) {
+    case 3:
+    case 6:
+    case 7:
+    case 10:
+      return 3;
+    case 4:
+    case 8:
+    case 9:
+      return 4;
+    default:
+      return 0;
+  }
 }
 
 FaceKey face_key(const int* nodes, int corners) {
@@ -60,7 +69,7 @@ std::vector<FacetEdge> facet_edges(const std::vector<std::vector<int>>& facets) 
 
 namespace {
 
-void split_quad(std::array<int, 4> q, const std::vector<Vector3d>& x, std::vector<std::array<int, 3>>& out) {
+void split_quad(std::array<int, 4> q, const std::vector<Vector3d>& x, FacetTriangles& out) {
   const double d02 = (x[at(q[0])] - x[at(q[2])]).norm(), d13 = (x[at(q[1])] - x[at(q[3])]).norm();
   const bool tie = std::abs(d02 - d13) <= 1e-5 * std::max(d02, d13);
   if (tie ? std::min(q[0], q[2]) < std::min(q[1], q[3]) : d02 < d13) {
@@ -74,8 +83,8 @@ void split_quad(std::array<int, 4> q, const std::vector<Vector3d>& x, std::vecto
 
 }  // namespace
 
-std::vector<std::array<int, 3>> split_facet(const int* f, int facet_nodes, const std::vector<Vector3d>& x) {
-  std::vector<std::array<int, 3>> out;
+FacetTriangles split_facet(const int* f, int facet_nodes, const std::vector<Vector3d>& x) {
+  FacetTriangles out;
   switch (facet_nodes) {
     case 3:
     case 10:  // cubic: flat through its corners
@@ -85,7 +94,8 @@ std::vector<std::array<int, 3>> split_facet(const int* f, int facet_nodes, const
       split_quad({f[0], f[1], f[2], f[3]}, x, out);
       break;
     case 6:
-      out = {{f[0], f[3], f[5]}, {f[3], f[1], f[4]}, {f[5], f[4], f[2]}, {f[3], f[4], f[5]}};
+      for (const auto& t : {std::array{f[0], f[3], f[5]}, {f[3], f[1], f[4]}, {f[5], f[4], f[2]}, {f[3], f[4], f[5]}})
+        out.push_back(t);
       break;
     case 7:
       for (int k = 0; k < 3; ++k) {
@@ -106,7 +116,7 @@ std::vector<std::array<int, 3>> split_facet(const int* f, int facet_nodes, const
   return out;
 }
 
-std::vector<std::array<int, 3>> split_facet(const std::vector<int>& facet, const std::vector<Vector3d>& x) {
+FacetTriangles split_facet(const std::vector<int>& facet, const std::vector<Vector3d>& x) {
   return split_facet(facet.data(), static_cast<int>(facet.size()), x);
 }
 

@@ -40,13 +40,26 @@ void for_each_place(const std::vector<FacetEdge>& edges, F f) {
   }
 }
 
+/// Triangles of one facet, at most 8: there are too many facets for memory to be asked for each.
+class FacetTriangles {
+ public:
+  void push_back(const std::array<int, 3>& nodes) { nodes_[static_cast<std::size_t>(count_++)] = nodes; }
+  const std::array<int, 3>* begin() const { return nodes_.data(); }
+  const std::array<int, 3>* end() const { return nodes_.data() + count_; }
+  std::size_t size() const { return static_cast<std::size_t>(count_); }
+
+ private:
+  std::array<std::array<int, 3>, 8> nodes_;
+  int count_ = 0;
+};
+
 /// The facet cut into triangles of its own nodes, orientation kept. Quadratic facets are split through their
 /// mid-side nodes so that they keep their curvature; a quad (also the inner quad of an 8-node facet and the four
 /// of a 9-node facet) on its shorter diagonal, on a tie (equal to 1e-5, so that the rounding of coordinates in a file
 /// chooses nothing) at the lowest node number. `facet`: node indices; `positions`: of all nodes of the model. Returns
 /// triples of node indices.
-std::vector<std::array<int, 3>> split_facet(const int* facet, int facet_nodes, const std::vector<Vector3d>& positions);
-std::vector<std::array<int, 3>> split_facet(const std::vector<int>& facet, const std::vector<Vector3d>& positions);
+FacetTriangles split_facet(const int* facet, int facet_nodes, const std::vector<Vector3d>& positions);
+FacetTriangles split_facet(const std::vector<int>& facet, const std::vector<Vector3d>& positions);
 
 /// Twice the area, along the normal.
 Vector3d area_vector(const std::array<int, 3>& triangle, const std::vector<Vector3d>& positions);

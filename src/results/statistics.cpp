@@ -361,7 +361,7 @@ bool passed_through(const Joint& joint, const ContactPair& pair, const std::vect
   return behind > 3 * ahead && behind > kSome * sampled;
 }
 
-double facets_across(const Layer& layer, const std::vector<double>& pressure, double above) {
+double facets_across(const Layer& layer, const std::vector<double>& pressure, double above, double enough) {
   const SurfaceMesh& mesh = layer.articular;
   const auto in_symmetry_plane = [&](int a, int b) {
     return layer.mirror.size() == mesh.vertices.size() && (layer.mirror[at(a)] & layer.mirror[at(b)]) != 0;
@@ -382,15 +382,22 @@ double facets_across(const Layer& layer, const std::vector<double>& pressure, do
     }
   }
   if (area == 0) return 0.0;
+  const double per_length = 2 * area / size;
   double farthest = 0.0;
+  std::size_t first = 0;
   for (const Vector3d& x : inside) {
+    if (farthest * per_length > enough) break;
     double nearest = kInfinity;
-    // most places are nearer than the farthest so far to some edge: then the others do not matter
-    for (std::size_t e = 0; e < end.size() && nearest > farthest; ++e)
-      nearest = std::min(nearest, distance_to_segment(x, end[e][0], end[e][1]));
+    // most places are nearer than the farthest so far to some edge, and to that of the place before: then the others do
+    // not matter
+    for (std::size_t i = 0, e = first; i < end.size() && nearest > farthest; ++i, e = (e + 1) % end.size()) {
+      const double distance = distance_to_segment(x, end[e][0], end[e][1]);
+      if (distance < nearest) first = e;
+      nearest = std::min(nearest, distance);
+    }
     farthest = std::max(farthest, nearest);
   }
-  return 2 * farthest * area / size;
+  return farthest * per_length;
 }
 
 }  // namespace dea

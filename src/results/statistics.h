@@ -97,8 +97,9 @@ double pressed_end_of_selection(const Layer& layer, const std::vector<double>& p
 /// How many facets wide contact is at its widest: twice the greatest distance of a pressed facet's edges from where
 /// contact ends, over the mean size of the pressed facets, sqrt(2 area) of their triangles. A strip has its width,
 /// whatever its length. Contact does not end at a plane of symmetry. Pressed is a facet with more than `above`;
-/// `pressure`: per facet, SideFields::pressure. 0: none is. Infinity: it ends nowhere, on a closed surface.
-double facets_across(const Layer& layer, const std::vector<double>& pressure, double above);
+/// `pressure`: per facet, SideFields::pressure. 0: none is. Infinity: it ends nowhere, on a closed surface. Where it is
+/// more than `enough`: some number that is.
+double facets_across(const Layer& layer, const std::vector<double>& pressure, double above, double enough = kInfinity);
 
 /// Have the two bodies passed each other, so that no spring meets the other surface from its front any more? True if of
 /// the springs whose line meets it at all three quarters meet it behind, deeper than springs look (four thicknesses).

@@ -118,6 +118,7 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
   for (const JudgedContact& c : judged_contacts(joint, result)) {
     const ContactPair& pair = c.pair;
     if (pair.law != Law::Layer) continue;
+    const double enough = std::rbegin(kCoarseErrors)->across / pair.refine;
     double least = kInfinity;
     const Layer* narrow = nullptr;
     for (int side = 0; side < 2; ++side) {
@@ -125,7 +126,7 @@ Findings narrow_contact(const JointModel& model, const Joint& joint, const Solve
       if (!(facet_size(pair, layer) > kFineFacets)) continue;
       const std::vector<double>& pressure = c.fields.sides[side].pressure;
       if (pressure.empty()) continue;
-      const double across = pair.refine * facets_across(layer, pressure, c.statistics.headline.above);
+      const double across = pair.refine * facets_across(layer, pressure, c.statistics.headline.above, enough);
       if (!(across > 0) || !(across < least)) continue;
       least = across;
       narrow = &layer;

@@ -7,21 +7,25 @@
 #include "src/model/load_curve.h"
 #include "src/run/prepared.h"
 #include "src/run/states.h"
+#include "src/springs/gaps.h"
+#include "src/springs/place.h"
 
 namespace dea {
 
 namespace {
 
+std::vector<SpringBed> beds_alone(const Joint& joint) {
+  std::vector<SpringBed> beds;
+  for (const ContactPair& pair : joint.contacts) beds.push_back(place_springs_alone(joint, pair));
+  return beds;
+}
+
 /// Springs of every contact at the starting poses, also of those that a step switches on later.
-void check_contacts(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps, JointCheck& check) {
+void check_contacts(const Recognition& recognition, const std::vector<SpringBed>& beds, JointCheck& check) {
   const Joint& joint = check.joint;
-  check.maps = maps;
-  LoadCase at_rest;
-  at_rest.bodies.resize(joint.bodies.size());
-  at_rest.contact_active.assign(joint.contacts.size(), 1);
-  at_rest.ligament_active.assign(joint.ligaments.size(), 0);
-  check.reference = state_at(joint, beds, at_rest, at_start(recognition).poses);
-  check.fields = contact_fields(joint, beds, maps, check.reference);
+  check.start = at_start(recognition).poses;
+  for (const SpringBed& bed : beds)
+    check.springs.push_back(find_gaps(bed, check.start[at(bed.source_body)], check.start[at(bed.target_body)]));
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     ContactCheck found;
     for (int side = 0; side < 2; ++side) {
@@ -36,7 +40,7 @@ void check_contacts(const Recognition& recognition, const SpringBeds& beds, cons
         found.sides[side].bonded += kind == FaceKind::Bonded;
       }
     }
-    const SpringStates& springs = check.reference.springs[c];
+    const SpringStates& springs = check.springs[c];
     std::vector<double> gaps;
     for (int i = 0; i < springs.size(); ++i)
       if (springs.triangle[at(i)] >= 0 && springs.coverage[at(i)] > 0) gaps.push_back(springs.gap[at(i)]);
@@ -116,13 +120,22 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
 }  // namespace
 
 JointCheck check_joint(const Recognition& recognition) {
-  return check_joint_with(recognition, [&](JointCheck& check) {
-    check_contacts(recognition, make_spring_beds(check.joint), make_field_maps(recognition.model, check.joint), check);
-  });
+  return check_joint_with(recognition,
+                          [&](JointCheck& check) { check_contacts(recognition, beds_alone(check.joint), check); });
 }
 
-JointCheck check_joint(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps) {
-  return check_joint_with(recognition, [&](JointCheck& check) { check_contacts(recognition, beds, maps, check); });
+JointCheck check_joint(const Recognition& recognition, const std::vector<SpringBed>& beds) {
+  return check_joint_with(recognition, [&](JointCheck& check) { check_contacts(recognition, beds, check); });
+}
+
+std::vector<ContactFields> fields_at_start(const JointCheck& check, const FieldMaps& maps) {
+  Equilibrium at_start;
+  at_start.poses = check.start;
+  at_start.springs = check.springs;
+  at_start.contact_on_target.assign(check.springs.size(), Vector6::Zero());
+  SpringBeds beds;
+  beds.beds = beds_alone(check.joint);
+  return contact_fields(check.joint, beds, maps, at_start);
 }
 
 }  // namespace dea

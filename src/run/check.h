@@ -39,11 +39,10 @@ struct StepCheck {
 
 /// Everything up to the point where something failed.
 struct JointCheck {
-  bool recognised = false;  ///< joint, maps, contacts, fields are filled
+  bool recognised = false;  ///< joint, start, springs, contacts are filled
   Joint joint;
-  FieldMaps maps;
-  Equilibrium reference;              ///< all contacts at the reference poses
-  std::vector<ContactFields> fields;  ///< at the reference poses
+  std::vector<Pose> start;            ///< one per body: where it is placed
+  std::vector<SpringStates> springs;  ///< one per contact, there: gaps, not pressures
   std::vector<ContactCheck> contacts;
   std::vector<StepCheck> steps;  ///< empty: conditions could not be made
   /// What holds, moves and loads the bodies in every row of the tables of loads and motion, without what the rows
@@ -56,7 +55,9 @@ struct JointCheck {
 
 /// Never throws InputError: what was found is in `errors`.
 JointCheck check_joint(const Recognition& recognition);
-/// The same with the beds and maps that an analysis of this recognition has made.
-JointCheck check_joint(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps);
+/// The same with the beds that an analysis of this recognition has made.
+JointCheck check_joint(const Recognition& recognition, const std::vector<SpringBed>& beds);
+/// The fields of all contacts where the bodies are placed, without pressures.
+std::vector<ContactFields> fields_at_start(const JointCheck& check, const FieldMaps& maps);
 
 }  // namespace dea

@@ -41,12 +41,7 @@ Springs make_springs(const Layer& source, int refine) {
 
 }  // namespace
 
-SpringBed place_springs(const Joint& joint, const ContactPair& pair) {
-  SharedOperators shared;
-  return place_springs(joint, pair, shared);
-}
-
-SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
+SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   SpringBed bed{pair,
                 source.body,
@@ -63,6 +58,11 @@ SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOpera
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
   bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
+  return bed;
+}
+
+SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
+  SpringBed bed = place_springs_alone(joint, pair);
   if (bed.pair.law == Law::Layer) bed.layers = make_layer_bed(joint, pair, shared);
   return bed;
 }

@@ -5,9 +5,10 @@
 
 namespace dea {
 
-/// The springs of a contact; law layer: the layers as operators, factorised (layer_bed.h). Frame: reference.
-SpringBed place_springs(const Joint& joint, const ContactPair& pair);
-/// `shared`: of the contacts before; takes up the operators of layers that others press too.
+/// The springs of a contact, for their geometry: law layer's cannot be pressed. Frame: reference.
+SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair);
+/// The springs of a contact; law layer: with the layers as operators, factorised (layer_bed.h). `shared`: of the
+/// contacts before; takes up the operators of layers that others press too.
 SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOperators& shared);
 
 }  // namespace dea

@@ -69,7 +69,7 @@ std::vector<Triangles> outer_triangles(const XpltMesh& mesh, const Faces& faces,
     const bool finite =
         std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
     if (!finite) continue;
-    const Triangles parts = split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions);
+    const FacetTriangles parts = split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions);
     triangles[face.domain].insert(triangles[face.domain].end(), parts.begin(), parts.end());
   }
   return triangles;

@@ -168,7 +168,7 @@ void write_run_page(const std::string& path, const Recognition& recognition, con
   std::vector<std::string> paths;
   for (const NamedPath& file : files) paths.push_back(file.path);
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(xplt)};
-  const JointCheck check = check_joint(recognition, analysis.beds, analysis.maps);
+  const JointCheck check = check_joint(recognition, analysis.beds.beds);
   PageData page = run_page(recognition.model, analysis, result,
                            info_text(recognition.model, recognition.settings, check), words, paths);
   const std::string& loads = recognition.settings.loads.file;
