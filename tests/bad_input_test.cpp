@@ -623,8 +623,8 @@ TEST(BadInput, Joints) {
 TEST(BadInput, DeformableBoneRunsWhenTakenAsRigid) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path / "model.feb") << deformable_bone(true);
-  const test::Finished f =
-      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--law", "linear", "--json", "r.json"}, kLimit);
+  const test::Finished f = test::run_program(
+      folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--law", "linear", "--json", "r.json"}, kLimit);
   ASSERT_EQ(f.code, 0) << f.err;
   const auto last = nlohmann::json::parse(test::file_text(folder.path / "r.json"))["states"].back();
   EXPECT_EQ(last["outcome"], "Balanced");
@@ -1535,8 +1535,8 @@ TEST(Solved, ABodyThatNothingLoadsIsNamed) {
   for (std::size_t a = text.find("<rigid_load "); a != std::string::npos; a = text.find("<rigid_load "))
     text.erase(a, text.find("</rigid_load>", a) + 13 - a);
   std::ofstream(folder.path / "hip.feb") << text;
-  const test::Finished f =
-      test::run_program(folder.path, {DEA_PROGRAM, "run", "hip.feb", "-o", "r.xplt", "--states", "last"}, kLimit);
+  const test::Finished f = test::run_program(
+      folder.path, {DEA_PROGRAM, "run", "hip.feb", "-o", "r.xplt", "--states", "last", "--law", "linear"}, kLimit);
   EXPECT_EQ(f.code, 1) << f.err;
   EXPECT_NE(
       f.err.find("nothing loads body \"femur\", which is free to move along x, y, z: the contact pushes it away and "
@@ -1575,9 +1575,11 @@ TEST(Solved, APointOfALoadWithoutEffectIsTold) {
   };
   const std::string turning = told(kModel, {"--load-at", "plate=0,0,1", "--free", "plate=z,Ru"});
   EXPECT_EQ(turning.find("--load-at"), std::string::npos) << turning;
-  EXPECT_NE(told(kModel, {"--load-at", "plate=0,0,1"})
-                .find("warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn [idle-load-point]\n"),
-            std::string::npos);
+  EXPECT_NE(
+      told(kModel, {"--load-at", "plate=0,0,1"})
+          .find(
+              "warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn [idle-load-point]\n"),
+      std::string::npos);
   EXPECT_NE(told(kModel, {"--load-at", "base=0,0,1"})
                 .find("warning: --load-at base: it has no effect, for no rigid force acts on body \"base\" (other "
                       "forces have points of their own); give one with "

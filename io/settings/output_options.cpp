@@ -25,8 +25,8 @@ const std::vector<OutputOption>& output_options() {
       {"no-xplt", &O::no_xplt, Kind::Switch, "true or false", "",
        "Write no plot file, only the outputs that are named"},
       {"states", &O::states, Kind::States, "all, last, times t1,t2,... or ranges t1:t2", "all|last|t1,t2:t3,...",
-       "States to solve and write: all, last, times t1,t2,... or ranges t1:t2; ends of steps before them are solved "
-       "too "
+       "States to solve and write: all, last, times t1,t2,... or ranges t1:t2; ends of steps before them are "
+       "followed too "
        "[all; about 1000 if there are more than 10000]"},
   };
   return options;

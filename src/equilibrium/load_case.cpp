@@ -182,6 +182,11 @@ double passed(const Instant& now, int step) {
   return duration > 0 ? std::clamp((now.time - starts[at(step)]) / duration, 0.0, 1.0) : 1.0;
 }
 
+/// FEBio notes the reaction when a load becomes active: outside steps that is before anything has been solved.
+bool starts_at_reaction(const RigidLoad& l) {
+  return l.step >= 0 && (l.kind == RigidLoad::Kind::Target || (l.kind == RigidLoad::Kind::Dead && l.relative));
+}
+
 /// Forces and moments on a rigid body. `replaced`: per body, the user gives another one of its kind.
 void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<char>& replaced,
                     const std::vector<Vector6>* reaction, LoadCase& c) {
@@ -193,10 +198,9 @@ void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<ch
   Scaled value = l.value;
   if (l.dof < 3) value.factor = given_value(now.settings, l.name, kForce).value_or(value.factor);
   const double full = finite_value(now, value, l.origin);
-  // FEBio notes the reaction when a load becomes active: outside steps that is before anything has been solved
-  const bool on_reaction = l.kind == RigidLoad::Kind::Target || (l.kind == RigidLoad::Kind::Dead && l.relative);
-  const double start = on_reaction && l.step >= 0 && reaction ? (*reaction)[at(b)][l.dof] : 0.0;
-  body.on_reaction = body.on_reaction || (on_reaction && l.step >= 0);
+  const bool on_reaction = starts_at_reaction(l);
+  const double start = on_reaction && reaction ? (*reaction)[at(b)][l.dof] : 0.0;
+  body.on_reaction = body.on_reaction || on_reaction;
   if (l.kind == RigidLoad::Kind::Target) {
     const double w = passed(now, now.step);
     load[l.dof] += (1 - w) * start + w * full;
@@ -367,6 +371,17 @@ std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case
     poses[b].rotation = rotation(before + c.value.tail<3>()) * begin.rotation;
   }
   return poses;
+}
+
+bool any_starts_at_reaction(const JointModel& model) {
+  return std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), starts_at_reaction);
+}
+
+bool motion_is_given(const LoadCase& load_case) {
+  return load_case.connector_active.empty() &&
+         std::all_of(load_case.bodies.begin(), load_case.bodies.end(), [](const BodyConditions& body) {
+           return body.held_points.empty() && std::count(body.dofs.begin(), body.dofs.end(), DofState::Free) == 0;
+         });
 }
 
 LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,

@@ -64,6 +64,13 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
 std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& now,
                                    const std::vector<Pose>& step_start);
 
+/// Whether all bodies are where prescribed_poses puts them: none is free to move, no connector or held point is to be
+/// closed.
+bool motion_is_given(const LoadCase& load_case);
+
+/// Whether some step's loads start from the reaction at the end of the one before.
+bool any_starts_at_reaction(const JointModel& model);
+
 /// A row of settings.loads and settings.motion: conditions at the end of the model's last step, but for what the row
 /// says. Its force and moment replace all that the model puts on that body; its pose takes the place of what the model
 /// says of those dofs. `now`: current poses, for a frame whose body is held where it is; `step_start`: as in

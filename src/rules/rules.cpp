@@ -501,7 +501,7 @@ std::vector<Rule> all_rules() {
              "surface \"{surface}\": thickness from {file}, {nodes} nodes; {passed_over} of the file's nodes are not "
              "on it and passed over"}}),
       told("loads-table", "Check body and start.",
-           {{N, "loads of {table}, on body \"{body}\", after the model's steps, whose ends are solved on the way"},
+           {{N, "loads of {table}, on body \"{body}\", after the model's steps, each to its end"},
             {N, "loads of {table}, on body \"{body}\", from the starting poses, without the model's steps"}}),
       told("body-weight", "Check the unit.", {{N, "a body weight of {weight:g} is taken as it is; {doubt}"}}),
       told("loads-first-row", "Check direction and point of the first load.",
@@ -517,9 +517,7 @@ std::vector<Rule> all_rules() {
            {{N, "body \"{body}\" is not free to move at the end of the last step: the table's loads have no effect"},
             {N, "body \"{body}\" is not free to turn: the table's moments have no effect"}}),
       told("motion-table", "Check body, rotations and start.",
-           {{N,
-             "motion of {table}, of body \"{body}\"{rotations}{center}, after the model's steps, whose ends are solved "
-             "on the way"},
+           {{N, "motion of {table}, of body \"{body}\"{rotations}{center}, after the model's steps, each to its end"},
             {N,
              "motion of {table}, of body \"{body}\"{rotations}{center}, from the starting poses, without the model's "
              "steps"}}),
@@ -540,7 +538,7 @@ std::vector<Rule> all_rules() {
       told("states-left-out", "Nothing: you asked for these states.",
            {{N,
              "of the model's {steps:.0f} time steps only the states asked for and the ends of steps before them are "
-             "solved, {solved} in all: each is an equilibrium of its own"}}),
+             "followed, {solved} in all: each is an equilibrium of its own, or a motion that is given"}}),
       // ---- what asks nobody to act
       told("inside-unknown", "Use the layer law with two terms.",
            {{N,

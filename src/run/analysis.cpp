@@ -30,6 +30,7 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 struct StateSequence {
   Start start;                    // `poses`: of the last state that was solved
   std::vector<Vector6> reaction;  // there
+  std::vector<Pose> placed;       // where the bodies start
   std::vector<Vector6> step_reaction;
   std::vector<PressMemory> memory;
   EquilibriumOptions search;
@@ -95,7 +96,8 @@ void take_known_balance(const KnownBalance& known, const Joint& joint, const Loa
   const std::vector<Pose> reference = reference_poses(joint);
   std::vector<Pose>& poses = sequence.start.poses;
   for (std::size_t b = 0; b < poses.size(); ++b) {
-    if (poses[b].center != reference[b].center || poses[b].rotation != reference[b].rotation) continue;
+    const Pose& placed = sequence.placed[b];
+    if (placed.center != reference[b].center || placed.rotation != reference[b].rotation) continue;
     poses[b] = free_part(load_case.bodies[b], poses[b], known.poses[b]);
   }
   sequence.memory = known.memory;
@@ -202,7 +204,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     add_once(solved.idle, idle_model_loads(model, joint, settings));
     add_once(solved.idle, idle_load_points(model, joint, settings));
   }
-  StateSequence sequence{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
+  StateSequence sequence{{solved.start, solved.start}, no_reaction, solved.start, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
   if (options.activity) {
     sequence.search.watch = [&](const SearchStatus& status) {
@@ -211,6 +213,8 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
       options.activity(activity);
     };
   }
+  const bool only_moves = !any_starts_at_reaction(model);  // nothing but poses is left of a state that is not kept
+  bool first = true;                                       // to be solved
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != sequence.step) begin_step(sequence, times[i].step, options.equilibrium);
     activity.index = i;
@@ -220,11 +224,18 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
     const LoadCase load_case = load_case_of(model, settings, prepared, times[i], sequence);
-    if (i == 0 && !reference && options.known_balance != nullptr && times[i].step == last_step(model) &&
-        !any_turns(load_case))
-      state.equilibrium = solve_from(*options.known_balance, prepared, load_case, sequence);
-    else
-      state.equilibrium = solve_state(prepared, load_case, reference, sequence);
+    const bool keep = options.keep_state.empty() || options.keep_state[i];
+    if (!keep && only_moves && motion_is_given(load_case)) {  // its contacts are not looked at, nor refused
+      end_if_stopped(options.equilibrium.stop);
+      sequence.start.poses = prescribed_poses(joint, load_case, sequence.start.poses, sequence.start.step_poses);
+      refuse_left_planes(model, joint, sequence.start.poses, state.when.time);
+      continue;
+    }
+    const bool may_be_known = first && !reference && times[i].step == last_step(model) && !any_turns(load_case);
+    const KnownBalance* known = may_be_known && options.known_balance ? options.known_balance() : nullptr;
+    state.equilibrium = known != nullptr ? solve_from(*known, prepared, load_case, sequence)
+                                         : solve_state(prepared, load_case, reference, sequence);
+    first = false;
     end_state(sequence, state.equilibrium, options.equilibrium);
     if (parted(state.equilibrium, stiffest)) {
       state.equilibrium.outcome = Outcome::NoContact;
@@ -234,7 +245,6 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     if (dea::solved(state.equilibrium.outcome))
       refuse_left_planes(model, joint, state.equilibrium.poses, state.when.time);
     end_if_stopped(options.equilibrium.stop);
-    const bool keep = options.keep_state.empty() || options.keep_state[i];
     if (keep) add_fields(prepared, maps, options.inside, state);
     if (keep && options.displacements)
       state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);

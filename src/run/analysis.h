@@ -56,11 +56,11 @@ struct AnalysisOptions {
   /// Not owned: of the same joint, whose inside is wanted with the fields; nullptr: it is not. `analyse` makes it
   /// itself where the settings ask for it.
   const InsideMaps* inside = nullptr;
-  /// Not owned: from where the first state is searched, if that belongs to the last step, is not the reference, and no
-  /// body is free to turn (else there may be several balances, and the search's start chooses among them). Its free
-  /// dofs count, of bodies that are not placed. A state that is not solved or not stable from there is searched from
-  /// the starting poses, as without it.
-  const KnownBalance* known_balance = nullptr;
+  /// Not owned: from where the first state that is solved is searched, if that belongs to the last step, is not the
+  /// reference, and no body is free to turn (else there may be several balances, and the search's start chooses among
+  /// them). Its free dofs count, of bodies that are not placed. A state that is not solved or not stable from there is
+  /// searched from the starting poses, as without it.
+  std::function<const KnownBalance*()> known_balance;
 };
 
 /// Fills fields, statistics and, unless `inside` is null, the inside of a state whose equilibrium has its springs.

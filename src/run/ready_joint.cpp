@@ -38,6 +38,7 @@ std::optional<KnownBalance> solve_end_of_model(const ReadyJoint& ready, const St
   Settings settings = ready.settings;
   settings.skip_steps = true;
   EquilibriumOptions options;
+  options.tolerance = 1e-4;  // others start from it
   options.stop = stop;
   try {
     const TimePoint end = row_states(ready.model, settings, parse_states("last"), "").times.back();

@@ -25,7 +25,8 @@ void insert_time(const JointModel& model, std::vector<TimePoint>& times, double 
   times.insert(later, place_times(model, {t}).front());
 }
 
-/// Wanted states, and what is solved on the way to the last of them.
+/// Wanted states, and what is solved on the way to the last of them: the ends of steps. Nothing follows from the
+/// reference configuration, which is not solved.
 States only_needed(const JointModel& model, const States& all, double end) {
   const std::vector<double> starts = step_starts(model);
   std::size_t count = all.times.size();
@@ -33,8 +34,8 @@ States only_needed(const JointModel& model, const States& all, double end) {
   States needed;
   for (std::size_t i = 0; i < count; ++i) {
     const double t = all.times[i].time;
-    const bool step_end = std::any_of(starts.begin(), starts.end(),
-                                      [&](double start) { return same_in_single_precision(start, t, end); });
+    const bool step_end = std::any_of(starts.begin() + 1, starts.end(),
+                                      [&](double ends) { return same_in_single_precision(ends, t, end); });
     if (!all.wanted[i] && !step_end) continue;
     needed.times.push_back(all.times[i]);
     needed.wanted.push_back(all.wanted[i]);
@@ -93,7 +94,8 @@ States row_states(const JointModel& model, const Settings& settings, const State
     return all_states({{end, last}});
   }
   if (!settings.skip_steps) {
-    states.times = place_times(model, step_starts(model));
+    const std::vector<double> starts = step_starts(model);
+    states.times = place_times(model, {starts.begin() + 1, starts.end()});
     states.wanted.assign(states.times.size(), 0);
   }
   std::vector<char> wanted(rows, asked.all);

@@ -186,7 +186,7 @@ def test_what_a_result_writes(hip_result, dea, tmp_path):
 def test_progress(hip):
     told = []
     febiodea.analyse(hip, "last", progress=lambda p: told.append((p.stage, p.state, p.states, p.outcome)))
-    assert told[0][0] == "springs" and told[-1] == ("state", 3, 3, "Balanced")
+    assert told[0][0] == "springs" and told[-1] == ("state", 2, 2, "Balanced")
 
     class Enough(Exception):
         pass
