@@ -85,7 +85,8 @@ void solve(Work& work, const PlannedCase& c, Settings settings, CaseResult& resu
   solving.displacements = !options.plot_folder.empty();
   if (settings.inside) solving.inside = &ready->inside();
   solving.equilibrium.stop = options.stop;
-  solving.known_balance = [&] { return ready->end_of_model(options.stop); };
+  if (!is_its_joint(settings))  // else nobody but this case may need it
+    solving.known_balance = [&] { return ready->end_of_model(options.stop); };
   SolvedStates solved_states = solve_states(ready->model, settings, ready->prepared, ready->maps, solving);
   if (!options.plot_folder.empty())
     write_plot((std::filesystem::path(options.plot_folder) / fmt::format("{:06}.xplt", result.number)).string(), *ready,

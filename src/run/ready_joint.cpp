@@ -53,14 +53,12 @@ std::optional<KnownBalance> solve_end_of_model(const ReadyJoint& ready, const St
   }
 }
 
-}  // namespace
-
-std::string joint_key(const Settings& settings) {
-  const Settings joint = joint_settings(settings);
+/// A text that differs where any setting does.
+std::string key_of(const Settings& settings) {
   std::string key;
   for (const SettingOption& option : setting_options()) {
     key += '\x1e';
-    const SettingContent content = option.content(joint);
+    const SettingContent content = option.content(settings);
     if (const SettingItem* item = std::get_if<SettingItem>(&content)) {
       key += text_of(*item);
       continue;
@@ -70,6 +68,12 @@ std::string joint_key(const Settings& settings) {
   }
   return key;
 }
+
+}  // namespace
+
+std::string joint_key(const Settings& settings) { return key_of(joint_settings(settings)); }
+
+bool is_its_joint(const Settings& settings) { return key_of(settings) == joint_key(settings); }
 
 std::shared_ptr<const ReadyJoint> make_ready_joint(Recognition recognition, const StopFlag* stop) {
   const auto ready = std::make_shared<ReadyJoint>();

@@ -37,5 +37,7 @@ std::shared_ptr<const ReadyJoint> make_ready_joint(Recognition recognition, cons
 
 /// A text for each joint of a model: different where joint_settings(settings) differ in any setting.
 std::string joint_key(const Settings& settings);
+/// Whether they say nothing of how the joint is placed, loaded and moved: then it is the model's.
+bool is_its_joint(const Settings& settings);
 
 }  // namespace dea
