@@ -16,8 +16,8 @@ namespace {
 /// balance it need not be known closely (Dembo, Eisenstat and Steihaug 1982, SIAM J Numer Anal 19:400). `tolerance`: of
 /// the pressures, which falls as balance comes near (tolerance_after). Started from the rates at the last pose, the
 /// stiffness is wrong by the square of it, but for what bulges at rims add (solve_active): near balance that is small
-/// enough for motions that little resists, about a centre of mass far from
-/// the joint, and for telling whether balance is stable.
+/// enough for motions that little resists, about a centre of mass far from the joint, and for telling whether balance
+/// is stable.
 double rate_tolerance(double tolerance) {
   constexpr double kFinest = 1e-2, kCoarsest = 3e-2;
   return std::clamp(std::sqrt(tolerance), kFinest, kCoarsest);

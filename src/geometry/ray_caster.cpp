@@ -33,9 +33,6 @@ struct RayCaster::Tree {
   std::vector<Node> nodes;  // the root first; none: the surface has no triangles
   Vector3d center;          // of all vertices
   double extent;            // no two points of the surface are farther apart than this
-  /// Per triangle: a third of its longest side squared. By |x - sum w_k v_k|^2 = sum w_k |x - v_k|^2 - sum over j < k
-  /// of w_j w_k |v_j - v_k|^2 no point of it is nearer to x than its nearest vertex, squared, less this.
-  std::vector<double> sag;
 };
 
 namespace {
@@ -149,12 +146,8 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   Box box;
   if (mesh_->vertices.empty()) box.extend(Vector3d(Vector3d::Zero()));
   for (const Vector3d& x : mesh_->vertices) box.extend(x);
-  Tree tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm(), {}};
-  for (int t = 0; t < mesh_->size(); ++t) {
-    const Vector3d &a = mesh_->corner(t, 0), &b = mesh_->corner(t, 1), &c = mesh_->corner(t, 2);
-    tree.sag.push_back(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}) / 3);
-  }
-  tree_ = std::make_shared<const Tree>(std::move(tree));
+  tree_ =
+      std::make_shared<const Tree>(Tree{Builder(*mesh_).take(), 0.5 * (box.min() + box.max()), box.diagonal().norm()});
 }
 
 namespace {
@@ -326,16 +319,11 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
 /// Calls `look_at(t)` for all triangles that have a point within `radius` of x, and some others, the near ones early.
 /// `radius` may shrink on the way.
 template <class LookAt>
-void near_to(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3d& x, const double& radius,
-             const LookAt& look_at) {
+void near_to(const RayCaster::Tree& tree, const Vector3d& x, const double& radius, const LookAt& look_at) {
   if (tree.nodes.empty()) return;
   const auto within2 = [&] {
     const double r = radius * (1 + 1e-14) + kPadding * tree.extent;
     return r * r;
-  };
-  const auto nearest_vertex2 = [&](int t) {
-    return std::min({(mesh.corner(t, 0) - x).squaredNorm(), (mesh.corner(t, 1) - x).squaredNorm(),
-                     (mesh.corner(t, 2) - x).squaredNorm()});
   };
   Waiting waiting;
   int number = 0;
@@ -349,10 +337,10 @@ void near_to(const RayCaster::Tree& tree, const SurfaceMesh& mesh, const Vector3
     waiting.start();
     for (int k = 0; k < node.children; ++k) {
       if (child2[k] > within2()) continue;
-      if (node.child[k] >= 0)
+      if (node.child[k] < 0)
+        look_at(~node.child[k]);
+      else
         waiting.push(child2[k], node.child[k]);
-      else if (const int t = ~node.child[k]; !(nearest_vertex2(t) - tree.sag[at(t)] > within2()))
-        look_at(t);
     }
   } while (waiting.pop(&distance2, &number));
 }
@@ -370,7 +358,7 @@ SurfacePoint RayCaster::closest(const Vector3d& x) const {
   double best = kInfinity;
   double radius = kInfinity;
   const double tolerance = 1e-12 * tree_->extent + 1e-15 * distance;  // what rounding leaves
-  near_to(*tree_, *mesh_, from, radius, [&](int t) {
+  near_to(*tree_, from, radius, [&](int t) {
     Candidate c;
     c.point.triangle = t;
     c.distance = std::sqrt(closest_on_triangle(*mesh_, t, from, &c.point.weights));
@@ -387,7 +375,7 @@ SurfacePoint RayCaster::closest(const Vector3d& x) const {
 
 std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
   std::vector<int> found;
-  near_to(*tree_, *mesh_, x, radius, [&](int t) {
+  near_to(*tree_, x, radius, [&](int t) {
     std::array<double, 3> weights;
     if (closest_on_triangle(*mesh_, t, x, &weights) <= radius * radius) found.push_back(t);
   });

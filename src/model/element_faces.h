@@ -46,7 +46,6 @@ class FacetTriangles {
   void push_back(const std::array<int, 3>& nodes) { nodes_[static_cast<std::size_t>(count_++)] = nodes; }
   const std::array<int, 3>* begin() const { return nodes_.data(); }
   const std::array<int, 3>* end() const { return nodes_.data() + count_; }
-  std::size_t size() const { return static_cast<std::size_t>(count_); }
 
  private:
   std::array<std::array<int, 3>, 8> nodes_;
