@@ -26,11 +26,12 @@ std::array<std::vector<int>, 2> rank(const ContactPair& pair) {
 
 std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
   DisjointSets sets(beds.size());
-  std::map<const LayerOperator*, int> first;
+  std::map<const void*, int> first;  // by what gives way
   for (int b = 0; b < static_cast<int>(beds.size()); ++b) {
     if (!beds[at(b)].layers) continue;
     for (const BedLayer* of : {&beds[at(b)].layers->source, &beds[at(b)].layers->target})
-      if (of->layer) sets.join(first.emplace(of->layer.get(), b).first->second, b);
+      for (const void* key : {static_cast<const void*>(of->layer.get()), static_cast<const void*>(of->part.get())})
+        if (key != nullptr) sets.join(first.emplace(key, b).first->second, b);
   }
   const std::vector<int> numbers = sets.numbers();
   std::vector<std::vector<int>> groups;
@@ -48,11 +49,24 @@ std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
 
 }  // namespace
 
+namespace {
+
+/// The largest Young's modulus of a part, near enough for a scale.
+double stiffest(const SoftPart& part) {
+  double most = 0.0;
+  for (const Matrix6d& D : part.mesh.elastic) most = std::max(most, D.diagonal().head<3>().maxCoeff());
+  return most;
+}
+
+}  // namespace
+
 double stiffest_layer(const Joint& joint) {
   double most = 0.0;
   for (const ContactPair& pair : joint.contacts)
-    for (const Layer& layer : pair.layers)
-      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
+    for (const Layer& layer : pair.layers) {
+      const double E = layer.part >= 0 ? stiffest(joint.parts[at(layer.part)]) : layer.rigid ? 0.0 : layer.elasticity.E;
+      most = std::max(most, E * surface_extent(layer.articular).area);
+    }
   return most;
 }
 
@@ -72,6 +86,7 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
       for (const Vector3d& x : layer.articular.vertices)
         beds.reach = std::max(beds.reach, (x - joint.bodies[at(layer.body)].center_of_mass).norm());
       // a feather edge must not bring the steps to a halt
+      if (layer.part >= 0) beds.least_thickness = std::min(beds.least_thickness, joint.parts[at(layer.part)].depth);
       if (!layer.rigid)
         beds.least_thickness =
             std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));

@@ -117,7 +117,7 @@ void add_moved_bodies(ModelParts& parts) {
 }  // namespace
 
 ModelParts find_parts(const JointModel& model, const Settings& settings) {
-  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   parts.node_holds = find_node_holds(model);
   parts.faces = find_faces(model, settings);
   parts.layer_domains = find_layer_domains(parts);
@@ -125,9 +125,18 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
   parts.region = find_regions(parts);
   add_moved_bodies(parts);
   parts.holders = find_holders(model, parts.bodies, parts.region, parts.node_holds, parts.moved);
+  parts.soft = find_soft_regions(model, settings, parts.rigid, parts.region, parts.holders, parts.bodies);
+  if (std::any_of(parts.soft.begin(), parts.soft.end(), [](const SoftRegion& s) { return s.free; }))
+    parts.holders = find_holders(model, parts.bodies, parts.region, parts.node_holds, parts.moved);  // a later ground
   add_once(parts.findings, far_ties(model, parts.holders));
   add_once(parts.findings, holds_of_some_steps(model, parts.holders, parts.region, parts.node_holds, parts.moved));
   return parts;
+}
+
+int soft_region(const ModelParts& parts, int region) {
+  for (std::size_t k = 0; k < parts.soft.size(); ++k)
+    if (parts.soft[k].region == region) return static_cast<int>(k);
+  return -1;
 }
 
 bool deformable(const ModelParts& parts, const Domain& d) {

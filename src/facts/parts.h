@@ -9,6 +9,7 @@
 #include "src/facts/bodies.h"
 #include "src/facts/holders.h"
 #include "src/facts/node_holds.h"
+#include "src/facts/soft_regions.h"
 #include "src/model/element_faces.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -33,6 +34,7 @@ struct ModelParts {
   NodeHolds node_holds;
   std::vector<int> moved;  ///< per node: body of nodes that are moved together, -1: none
   Holders holders;
+  std::vector<SoftRegion> soft;  ///< deformable regions that are no layers
   Findings findings;          ///< what was concluded
   std::vector<Fault> faults;  ///< nodes that are moved otherwise than a bone can be
 };
@@ -62,6 +64,9 @@ int body_of_material(const ModelParts& parts, int material);
 int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name);
 /// Is this the name of that body? An empty one is of none.
 bool names_body(const JointModel& model, const std::vector<Body>& bodies, const std::string& name, int body);
+
+/// Index into ModelParts::soft of a region, -1: it is none.
+int soft_region(const ModelParts& parts, int region);
 
 /// -1: none.
 int surface_index(const JointModel& model, const std::string& name);

@@ -276,6 +276,13 @@ Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double
   return ((v[1] - v[0]) * e2.cross(normal) + (v[2] - v[0]) * normal.cross(e1)) / normal.squaredNorm();
 }
 
+SurfaceMesh with_vertices_at(SurfaceMesh mesh, const std::vector<Vector3d>& vertices, bool flat) {
+  mesh.vertices = vertices;
+  finish_surface_mesh(mesh);
+  if (flat) flatten(mesh);
+  return mesh;
+}
+
 Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
   const auto& b = mesh.bulge[at(t)];
   // dH/dw_k at the corners' unit weights: the gradient of a function of the weights is linear_gradient of its partials

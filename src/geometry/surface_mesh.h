@@ -63,6 +63,9 @@ Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<
 /// The facets as they are: no bulge.
 void flatten(SurfaceMesh& mesh);
 
+/// The same triangles with their vertices elsewhere. `flat`: as flatten.
+SurfaceMesh with_vertices_at(SurfaceMesh mesh, const std::vector<Vector3d>& vertices, bool flat);
+
 /// Gradient in a triangle's plane of the linear interpolation of three corner values.
 Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
 

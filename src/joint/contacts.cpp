@@ -141,18 +141,28 @@ void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
   }
 }
 
+/// Springs that know nothing of each other cannot press a part, all of which moves with any force on it.
+InputError needs_layer_law(const JointModel& model, const ContactPair& pair) {
+  return fault_at(model, pair.origin,
+                  say("contact \"{}\" presses a deformable part, and law {} has no answer for it;", pair.name,
+                      name(pair.law)),
+                  say("take {}", NamedSetting{"law", "", "layer"}));
+}
+
 /// A contact whose layers are known joins the others, unless it joins a body with itself.
 void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found) {
   const JointModel& model = parts.model;
   const Contact& c = model.contacts[at(pair.contact)];
   refuse_many_springs(pair);
   refuse_doubled(model, found.contacts, c);
-  if (pair.layers[0].body == pair.layers[1].body) {
+  if (pair.layers[0].body == pair.layers[1].body && pair.layers[0].part == pair.layers[1].part) {
     found.findings.push_back(
         {"one-body", {.contact = c.name, .body = parts.bodies.bodies[at(pair.layers[0].body)].name}});
     return;
   }
-  if (pair.layers[0].rigid && pair.layers[1].rigid) throw no_cartilage(model, c);
+  const bool parts_press = pair.layers[0].part >= 0 || pair.layers[1].part >= 0;
+  if (pair.layers[0].rigid && pair.layers[1].rigid && !parts_press) throw no_cartilage(model, c);
+  if (parts_press && pair.law != Law::Layer) throw needs_layer_law(model, pair);
   for (int side = 0; side < 2; ++side)  // a shell surface has two sides
     add_once(found.findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
   for (Layer& layer : pair.layers)

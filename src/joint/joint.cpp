@@ -453,6 +453,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   }
   joint.contacts = std::move(contacts.contacts);
   try {
+    joint.parts = make_parts(parts);
     joint.shared_layers = find_shared_layers(parts, joint.contacts, joint.findings);
   } catch (const InputError& error) {
     found.faults = {error.fault};

@@ -10,6 +10,7 @@
 #include "src/joint/connections.h"
 #include "src/joint/contacts.h"
 #include "src/joint/layer.h"
+#include "src/joint/part.h"
 #include "src/joint/shared_layers.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -20,6 +21,7 @@ struct Joint : Connections {
   std::vector<Body> bodies;
   std::vector<ContactPair> contacts;
   std::vector<SharedLayer> shared_layers;  ///< that more than one of them press
+  std::vector<SoftPart> parts;
   std::vector<int> node_body;              ///< per model node: body that carries it, -1: none (stays where it is)
   Conditions conditions;                   ///< of the model, without what the settings say of them
   std::vector<SymmetryPlane> symmetry_planes;

@@ -42,7 +42,8 @@ struct Layer {
   std::string attached_by;  ///< the rule that found the body, as a sentence
   int material = -1;        ///< index into JointModel::materials; -1 for a bare rigid surface
   Elasticity elasticity;    ///< of the cartilage
-  bool rigid = false;       ///< a bare rigid surface: thickness 0
+  bool rigid = false;       ///< a bare rigid surface, or that of a part: thickness 0
+  int part = -1;            ///< index into Joint::parts: the surface gives way with it; -1: none
   SurfaceMesh articular;    ///< normals out of the layer, towards the other side; facets left out have no triangles
   SurfaceMesh bone;         ///< normals out of the bone, into the layer; equals `articular` when rigid
   SpringsAt springs_at = SpringsAt::Articular;

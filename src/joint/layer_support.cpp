@@ -145,6 +145,12 @@ Attachment find_attachment(const ContactSide& in, const Support& support) {
     throw refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
   if (found.body >= 0) return found;
   if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself"};
+  if (const int soft = soft_region(in.parts, *support.regions.begin()); soft >= 0) {
+    if (support.regions.size() > 1)
+      throw refusal_of(in, say("lies on part \"{}\" and on others;", in.parts.soft[at(soft)].name),
+                       "split it into one surface per part");
+    return {in.parts.soft[at(soft)].body, fmt::format("is a surface of part \"{}\"", in.parts.soft[at(soft)].name)};
+  }
   std::map<int, std::string> holders;
   for (int region : support.regions) {
     const auto held = in.parts.holders.of_region.find(region);

@@ -487,6 +487,22 @@ Layer begin_layer(const ContactSide& in, const CarriedSurface& carried, const Su
   return layer;
 }
 
+/// The surface of a part: it has no thickness of its own, and moves with the part.
+void finish_part_surface(const ContactSide& in, const Support& support, Layer& layer) {
+  layer.rigid = true;
+  layer.part = soft_region(in.parts, *support.regions.begin());
+  layer.bone = layer.articular;
+  layer.springs_at = SpringsAt::Articular;
+  std::set<int> nodes;
+  for (const LayerElement& e : region_elements(in.parts, support.regions)) {
+    const Domain& d = in.parts.model.domains[at(e.domain)];
+    const int n = nodes_per_element(d.shape);
+    for (int k = 0; k < n; ++k) nodes.insert(d.nodes[at(e.element * n + k)]);
+    check_volume(in.parts.model, d, e.element);
+  }
+  layer.region_nodes.assign(nodes.begin(), nodes.end());
+}
+
 /// Modulus, thickness and what is beyond the rim, once both surfaces are known.
 void finish_layer(const ContactSide& in, const CarriedSurface& carried, bool on_elements, LayerDraft& draft) {
   Layer& layer = draft.layer;
@@ -522,11 +538,14 @@ Layer make_layer(const ModelParts& parts, const Contact& contact, int side) {
   const Support support = find_support(in, carried);
   const bool on_elements = !support.regions.empty();
   LayerDraft draft{begin_layer(in, carried, support), {}};
-  if (on_elements)
+  const bool on_part = on_elements && soft_region(parts, *support.regions.begin()) >= 0;
+  if (on_part)
+    finish_part_surface(in, support, draft.layer);
+  else if (on_elements)
     finish_bonded_layer(in, carried, support, draft);
   else
     finish_bare_surface(in, draft.layer);
-  finish_layer(in, carried, on_elements, draft);
+  finish_layer(in, carried, on_elements && !on_part, draft);
   draft.layer.compartments = find_compartments(parts.model, carried, draft.layer.articular);
   return std::move(draft.layer);
 }

@@ -338,6 +338,10 @@ std::vector<SettingOption> all_options() {
        [](const S& s) { return number_or_nothing(s.refine); }},
       {"rigid", nullptr, true, "MATERIAL", nullptr, kJoint, "Take a deformable material as rigid bone; may be repeated",
        [](S& s, Text, Text text) { add_once(s.rigid, text); }, [](const S& s) { return one(s.rigid); }},
+      {"part", nullptr, true, "MATERIAL", nullptr, kJoint,
+       "Take what is of this deformable material as a part that gives way as its elements do; may be repeated [what "
+       "contacts press and nothing holds]",
+       [](S& s, Text, Text text) { add_once(s.part, text); }, [](const S& s) { return one(s.part); }},
       {"attach", "surface", false, "BODY", nullptr, kJoint,
        "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]",
        [](S& s, Text key, Text text) { s.attach[key] = text; }, [](const S& s) { return by_name(s.attach); }},

@@ -148,6 +148,7 @@ void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMap
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
+    if (pair.layers[0].part >= 0 || pair.layers[1].part >= 0) continue;  // the part gives way
     const double thin = 1e-6 * (pair.layers[0].mean_thickness() + pair.layers[1].mean_thickness());
     const SpringStates& s = e.springs[c];
     for (std::size_t i = 0; i < s.gap.size(); ++i) {

@@ -21,7 +21,7 @@ LineHit cast(const SpringBed& bed, const Vector3d& foot, const Vector3d& n, doub
     // from bone to bone: a target bone behind the source's bone surface is too deep
     return bed.target.nearest_facing(foot, n, -2.0 * (t_s + bed.max_target_thickness), 0.0, kInfinity);
   }
-  const double deep = t_s + bed.max_target_thickness;
+  const double deep = t_s + bed.max_target_thickness + bed.part_depth;
   return bed.target.nearest_facing(foot, n, -4.0 * deep, -deep, kInfinity);
 }
 
@@ -242,7 +242,7 @@ void finish_gap(const SpringBed& bed, const RelativePose& relative, const Pose& 
   const Vector3d m = mesh.normals[at(t)];
   s.normal[k] = target.rotation * m;
   s.t_target[k] = interpolate(mesh, bed.pair.target_layer().thickness, {t, s.end_weights[k]});
-  const double h = s.t_source[k] + s.t_target[k];
+  const double h = s.t_source[k] + s.t_target[k] + bed.part_depth;
   const double length = distance - bulge - bulge_height(mesh, t, s.end_weights[k]);  // between the smooth surfaces
   s.gap[k] = bed.pair.source_layer().springs_at == SpringsAt::Bone ? length - h : length;  // (S2)
   if (s.gap[k] <= -h) {

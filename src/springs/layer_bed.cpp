@@ -32,13 +32,23 @@ std::shared_ptr<const LayerOperator> operator_of(const LayerFace& face, const Co
 BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, SharedOperators& shared) {
   BedLayer of;
   const Layer& layer = pair.layers[side];
+  if (layer.part >= 0) {
+    const SoftPart& part = joint.parts[at(layer.part)];
+    std::shared_ptr<const PartOperator>& made = shared.parts[layer.part];
+    if (!made) made = make_part(joint, part);
+    of.part = made;
+    for (const int node : layer.articular.model_nodes)
+      of.part_node.push_back(static_cast<int>(
+          std::lower_bound(part.model_nodes.begin(), part.model_nodes.end(), node) - part.model_nodes.begin()));
+    return of;
+  }
   if (layer.rigid) return of;
   const LayerPlace place = place_in_shared_layer(joint, pair, side);
   if (place.layer < 0) {
     of.layer = operator_of(layer.face, pair, layer.elasticity);
     return of;
   }
-  std::shared_ptr<const LayerOperator>& made = shared[place.layer];
+  std::shared_ptr<const LayerOperator>& made = shared.layers[place.layer];
   if (!made) made = operator_of(joint.shared_layers[at(place.layer)].face, pair, layer.elasticity);
   of.layer = made;
   of.triangle = place.use->triangle;
@@ -81,7 +91,7 @@ std::vector<char> ends_of(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-std::shared_ptr<const LayerBed> make_layer_bed(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
+std::shared_ptr<LayerBed> make_layer_bed(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
   auto layers = std::make_shared<LayerBed>();
   layers->source = bed_layer(joint, pair, pair.source, shared);
   layers->target = bed_layer(joint, pair, 1 - pair.source, shared);
@@ -133,6 +143,7 @@ struct Together {
   const std::vector<PosedBed>& beds;
   std::vector<Eigen::Index> begin = {0};     ///< per bed: its springs; the last: how many there are
   std::vector<const LayerOperator*> layers;  ///< each once
+  std::vector<const PartOperator*> parts;    ///< each once
   std::vector<std::array<int, 2>> layer_of;  ///< per bed: of source, target; -1: bare
   std::vector<BodyPair> pairs;               ///< of the beds, each once
   std::vector<Eigen::Index> pair_of;         ///< per bed
@@ -141,6 +152,8 @@ struct Together {
     for (const PosedBed& b : beds) {
       begin.push_back(begin.back() + b.bed->springs.size());
       layer_of.push_back({index_of(b.bed->layers->source), index_of(b.bed->layers->target)});
+      for (const PartOperator* part : parts_of(*b.bed))
+        if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
       const BodyPair bodies{b.bed->source_body, b.bed->target_body};
       const auto known = std::find(pairs.begin(), pairs.end(), bodies);
       pair_of.push_back(known - pairs.begin());
@@ -222,6 +235,33 @@ std::vector<LayerFeet> feet_on_layers(const Together& all, const std::vector<Spr
   }
   for (std::size_t k = 0; k < feet.size(); ++k) set_reach(feet[k], *all.layers[k]);
   return feet;
+}
+
+/// The feet of all springs on each part.
+std::vector<PartFeet> feet_on_parts(const Together& all, const std::vector<SpringStates>& states) {
+  std::vector<PartFeet> feet(all.parts.size());
+  for (std::size_t k = 0; k < feet.size(); ++k) {
+    for (std::size_t b = 0; b < all.beds.size(); ++b) {
+      const PosedBed& posed = all.beds[b];
+      if (posed.active) {
+        add_feet(*posed.bed, states[b], posed.source, posed.target, *all.parts[k], feet[k]);
+      } else {
+        feet[k].begin.resize(feet[k].begin.size() + at(posed.bed->springs.size()), feet[k].begin.back());
+        for (auto* values : {&feet[k].area, &feet[k].scale}) values->resize(feet[k].begin.size() - 1, 0.0);
+      }
+    }
+    set_reach(feet[k], *all.parts[k]);
+  }
+  return feet;
+}
+
+/// How far feet have gone with a part that has moved, along their forces.
+Eigen::VectorXd gone_with(const PartFeet& feet, const Eigen::MatrixX3d& motion) {
+  Eigen::VectorXd gone = Eigen::VectorXd::Zero(feet.size());
+  for (int i = 0; i < feet.size(); ++i)
+    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1] && feet.area[at(i)] > 0; ++j)
+      gone[i] += feet.weight[at(j)].dot(motion.row(feet.node[at(j)]).transpose()) / feet.area[at(i)];
+  return gone;
 }
 
 /// What a spring under pressure shows: strains of both layers, and its own stiffness. `all`: its number among those of
@@ -320,30 +360,61 @@ void share_out_rates(const Together& all, const Eigen::MatrixXd& rates, std::vec
   }
 }
 
+/// Pressures at these poses; with nothing of how they had changed. Rates stay.
+void remember(const Together& all, const Eigen::VectorXd& pressure, PressMemory& memory) {
+  memory.pressure = memory.nearly = pressure;
+  memory.change = memory.motion = Eigen::VectorXd();
+  memory.source.clear();
+  memory.target.clear();
+  for (std::size_t m = 0; m < all.pairs.size(); ++m) {
+    memory.source.push_back(all.bed_of(static_cast<Eigen::Index>(m)).source);
+    memory.target.push_back(all.bed_of(static_cast<Eigen::Index>(m)).target);
+  }
+}
+
 }  // namespace
 
-void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
-                  PressMemory* memory) {
+bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
+                  PressMemory* memory, PartMotions& moved) {
   const Together all(beds);
+  LayerContact contact;
+  contact.interface_compliance = beds.front().bed->pair.interface_compliance;
+  contact.area = Eigen::VectorXd::Zero(all.springs());
+  const std::vector<PartFeet> on_parts = feet_on_parts(all, states);
+  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(all.springs());  // signed, where no part had moved
+  for (std::size_t k = 0; k < on_parts.size(); ++k) {
+    contact.parts.push_back({all.parts[k], &on_parts[k]});
+    if (const auto motion = moved.find(all.parts[k]); motion != moved.end())
+      overlap += gone_with(on_parts[k], motion->second);
+  }
   double deepest = 0.0;
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active) continue;
     states[b].rates.setZero(states[b].size(), 6);
-    deepest = std::max(deepest, *std::max_element(states[b].overlap.begin(), states[b].overlap.end()));
+    for (int i = 0; i < states[b].size(); ++i) {
+      double& here = overlap[all.begin[b] + i];
+      here = states[b].area[at(i)] > 0 ? here - states[b].gap[at(i)] : 0.0;
+      deepest = std::max(deepest, here);
+    }
   }
-  if (!(deepest > 0)) return;
-
-  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(all.springs());
-  LayerContact contact;
-  contact.interface_compliance = beds.front().bed->pair.interface_compliance;
-  contact.area = Eigen::VectorXd::Zero(all.springs());
+  if (!(deepest > 0)) {  // nothing presses parts that had moved: they come back, and may be met there
+    const bool rest = moved.empty();
+    moved.clear();
+    return rest;
+  }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     const SpringStates& s = states[b];
     for (int i = 0; i < s.size(); ++i) {
       // nothing bulges by more than it is pressed in elsewhere
-      if (!(s.area[at(i)] > 0) || s.gap[at(i)] >= deepest) continue;
-      overlap[all.begin[b] + i] = -s.gap[at(i)];
-      contact.area[all.begin[b] + i] = s.area[at(i)];
+      double& here = overlap[all.begin[b] + i];
+      if (s.area[at(i)] > 0 && -here < deepest)
+        contact.area[all.begin[b] + i] = s.area[at(i)];
+      else
+        here = 0.0;
+    }
+    for (const FootPair& pair : beds[b].bed->layers->pairs) {
+      const int first = static_cast<int>(all.begin[b]);
+      contact.pairs.push_back({first + pair.i, first + pair.j, pair.compliance});
     }
   }
   const std::vector<LayerFeet> feet = feet_on_layers(all, states, contact.area, deepest);
@@ -356,7 +427,16 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     motion = motion_since(*memory, all);
     start = pressures_to_start_from(*memory, motion, std::sqrt(contact.area.sum()));
   }
+  constexpr double kFits = 10.0;  // of the tolerance: the same pressures on gaps that were found anew
+  if (!all.parts.empty()) search.part_of_first = 0.03;
   const LayerPressure result = solve_contact(contact, overlap, start, search);
+  const bool fits = start.size() > 0 && result.first_residual <= kFits * search.tolerance;
+  if (!all.parts.empty() && !fits) {
+    for (std::size_t k = 0; k < on_parts.size(); ++k)
+      moved[all.parts[k]] = displacements(*all.parts[k], nodal_forces(*all.parts[k], on_parts[k], result.pressure));
+    remember(all, result.pressure, *memory);
+    return false;
+  }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active) continue;
     states[b].complementarity = result.residual;
@@ -384,17 +464,18 @@ void press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
       states[b].rates.row(row) *= factors[b][k];
       for (CrossRates& other : states[b].cross) other.rates.row(row) *= factors[b][k];
     }
-  if (!memory) return;
+  if (!memory) return true;
   constexpr double kShare = 0.3;  // of what closes a foot's gap alone: its neighbours press too
   Eigen::VectorXd nearly = result.pressure, change;
   for (Eigen::Index i = 0; i < nearly.size(); ++i)
     if (!(nearly[i] > 0)) nearly[i] = -kShare * result.apart[i];
   if (motion.size() > 0) change = nearly - memory->nearly;
-  *memory = {result.pressure, rates, {}, {}, std::move(nearly), std::move(change), std::move(motion)};
-  for (std::size_t m = 0; m < all.pairs.size(); ++m) {
-    memory->source.push_back(all.bed_of(static_cast<Eigen::Index>(m)).source);
-    memory->target.push_back(all.bed_of(static_cast<Eigen::Index>(m)).target);
-  }
+  remember(all, result.pressure, *memory);
+  memory->rates = rates;
+  memory->nearly = std::move(nearly);
+  memory->change = std::move(change);
+  memory->motion = std::move(motion);
+  return true;
 }
 
 }  // namespace dea

@@ -1,6 +1,7 @@
 #include "src/springs/layer_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -21,6 +22,18 @@ MatrixXd layer_sinking(const PressedLayer& of, const MatrixXd& pressure) {
   return sinking(*of.layer, *of.feet, pressure, of.softening.size() > 0 ? &of.softening : nullptr);
 }
 
+MatrixXd part_sinking(const PartUnderFeet& of, const MatrixXd& pressure) {
+  return sinking(*of.part, *of.feet, pressure);
+}
+
+/// (P4)
+void add_pairs(const LayerContact& contact, const MatrixXd& pressure, MatrixXd& w) {
+  for (const FootPair& pair : contact.pairs)
+    for (const auto& of : {std::array<int, 2>{pair.i, pair.j}, std::array<int, 2>{pair.j, pair.i}})
+      if (contact.area[of[0]] > 0)
+        w.row(of[0]) += pair.compliance / contact.area[of[0]] * (pressure.row(of[0]) - pressure.row(of[1]));
+}
+
 /// Of w per pressure of the same foot, without flow.
 VectorXd own_compliance(const LayerContact& contact, bool tangent) {
   VectorXd own = VectorXd::Zero(contact.area.size());
@@ -36,10 +49,14 @@ VectorXd own_compliance(const LayerContact& contact, bool tangent) {
 }  // namespace
 
 MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
-  std::vector<MatrixXd> of_layer(contact.layers.size());
-  parallel_for(of_layer.size(), [&](std::size_t k) { of_layer[k] = layer_sinking(contact.layers[k], pressure); });
-  MatrixXd w = std::move(of_layer.front());
-  for (std::size_t k = 1; k < of_layer.size(); ++k) w += of_layer[k];
+  const std::size_t layers = contact.layers.size();
+  std::vector<MatrixXd> of(layers + contact.parts.size());
+  parallel_for(of.size(), [&](std::size_t k) {
+    of[k] = k < layers ? layer_sinking(contact.layers[k], pressure) : part_sinking(contact.parts[k - layers], pressure);
+  });
+  MatrixXd w = std::move(of.front());
+  for (std::size_t k = 1; k < of.size(); ++k) w += of[k];
+  add_pairs(contact, pressure, w);
   if (contact.interface_compliance > 0) w += contact.interface_compliance * pressure;
   return w;
 }
@@ -66,6 +83,8 @@ struct ScaledContact {
   double stride = 1.0;  // by which the near inverse leads too short
 
   explicit ScaledContact(const LayerContact& c) : contact(c), local(local_compliance(c)) {
+    for (const PartUnderFeet& of : contact.parts)
+      for (Index i = 0; i < local.size(); ++i) local[i] += of.feet->scale[at(i)];
     weight = contact.area.cwiseProduct(local);
     for (Index i = 0; i < local.size(); ++i)
       if (!(local[i] > 0)) local[i] = 1;
@@ -158,8 +177,14 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
   for (Index i = 0; i < n; ++i)
     if (!(B.weight[i] > 0)) p[i] = 0;
   // w by (L9), and the softenings there
-  result.sunk.resize(contact.layers.size());
+  const std::size_t layers = contact.layers.size();
+  std::vector<VectorXd> of_part(contact.parts.size());
+  result.sunk.resize(layers);
   const auto sink = [&](std::size_t k) {
+    if (k >= layers) {
+      of_part[k - layers] = part_sinking(contact.parts[k - layers], p).col(0);
+      return;
+    }
     PressedLayer& of = contact.layers[k];
     result.sunk[k] = options.large_strain ? large_sinking(*of.layer, *of.feet, p, of.softening)
                                           : VectorXd(sinking(*of.layer, *of.feet, p).col(0));
@@ -167,24 +192,28 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
   for (int step = 0;; ++step) {
     end_if_stopped(options.stop);
     ++B.applications;
-    parallel_for(result.sunk.size(), sink);
-    VectorXd sunk = result.sunk.front();
-    for (std::size_t k = 1; k < result.sunk.size(); ++k) sunk += result.sunk[k];
-    const VectorXd z = (sunk + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
+    parallel_for(layers + of_part.size(), sink);
+    MatrixXd sunk = MatrixXd::Zero(n, 1);
+    for (const auto* all : {&result.sunk, &of_part})
+      for (const VectorXd& of : *all) sunk += of;
+    add_pairs(contact, p, sunk);
+    const VectorXd z = (sunk.col(0) + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
     result.apart = z;
     const double before = result.residual;
     result.residual = complementarity(B, p, z);
     // solve_bounded carries its residual along: as it is, it may be a little larger
-    result.converged = result.residual <= (step > 0 ? 3 : 1) * options.tolerance;
+    if (step == 0) result.first_residual = result.residual;
+    const double tolerance = std::max(options.tolerance, options.part_of_first * result.first_residual);
+    result.converged = result.residual <= (step > 0 ? 3 : 1) * tolerance;
     if (result.converged || step >= kMaxSteps || B.applications >= options.max_applications) break;
-    if (step > 2 && result.residual < 100 * options.tolerance && result.residual > 0.5 * before) break;  // rounding
+    if (step > 2 && result.residual < 100 * tolerance && result.residual > 0.5 * before) break;  // rounding
     const bool linear = std::all_of(contact.layers.begin(), contact.layers.end(), [](const PressedLayer& of) {
       return of.softening.size() == 0 || of.softening.isZero(0.0);
     });
     // Newton's step squares the error: no need to solve it closer than that
     const double goal = linear
-                            ? options.tolerance
-                            : std::max(0.3 * options.tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
+                            ? tolerance
+                            : std::max(0.3 * tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
     solve_bounded(B, p, z, goal, options);
   }
   result.active.resize(at(n));

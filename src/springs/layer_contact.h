@@ -5,6 +5,7 @@
 
 #include "src/base/stop.h"
 #include "src/springs/layer_operator.h"
+#include "src/springs/part_operator.h"
 
 namespace dea {
 
@@ -15,15 +16,30 @@ struct PressedLayer {
   Eigen::VectorXd softening;  ///< per foot: slopes of e(q) about which the contact is linear (L9); empty: small strain
 };
 
+/// A part and what of it each foot presses.
+struct PartUnderFeet {
+  const PartOperator* part = nullptr;  ///< not owned
+  const PartFeet* feet = nullptr;
+};
+
+/// Two feet side by side whose pressures differ little: of a part without a layer opposite, whose triangles are more
+/// than its nodes can move by themselves. w_i gains compliance/A_i times p_i - p_j, and w_j the opposite.         (P4)
+struct FootPair {
+  int i = -1, j = -1;
+  double compliance = 0.0;  ///< [mm^3/MPa]
+};
+
 /// Layers pressed together on the same feet: two, or one against a bare rigid surface; where contacts share layers, all
 /// of these under the feet of all of them.
 struct LayerContact {
   std::vector<PressedLayer> layers;   ///< each once
+  std::vector<PartUnderFeet> parts;     ///< each once
+  std::vector<FootPair> pairs;
   Eigen::VectorXd area;               ///< per foot: what carries its pressure [mm^2]; 0: takes no part
   double interface_compliance = 0.0;  ///< gap per pressure of what lies between the surfaces (S9)
 };
 
-/// Sum of w over the layers [mm] for pressures [MPa], both feet x columns, linear about the softenings. The layers may
+/// Sum of w over the layers and parts [mm] for pressures [MPa], both feet x columns, linear about the softenings. The layers may
 /// be computed at the same time, each by itself: the result does not depend on the number of threads.
 Eigen::MatrixXd sinking(const LayerContact& contact, const Eigen::MatrixXd& pressure);
 /// Compliance of each foot for itself at small strain, the sum over the layers [mm/MPa]: what is left for short waves.
@@ -35,6 +51,7 @@ Eigen::MatrixXd spread(const LayerContact& contact, const Eigen::MatrixXd& force
 
 struct LayerContactOptions {
   double tolerance = 1e-9;      ///< of `residual`: far below any mesh's error, so that a solver above sees a function
+  double part_of_first = 0.0;   ///< also enough: this part of `first_residual`
   int max_applications = 2000;  ///< of the compliance; a stop
   bool large_strain = true;     ///< (L9); else w = C p
   const StopFlag* stop = nullptr;  ///< not owned; looked at before each application: Stopped
@@ -46,6 +63,7 @@ struct LayerPressure {
   std::vector<char> active;           ///< per foot: touches (p > 0)
   Eigen::VectorXd apart;              ///< per foot: (w - overlap) / local, by which one is apart that does not [MPa]
   double residual = 0.0;              ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
+  double first_residual = 0.0;        ///< that of the pressures it started from
   bool converged = false;
   int applications = 0;  ///< of the compliance: each costs a sparse solution per layer and matrix
 };

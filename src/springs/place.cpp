@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <memory>
+#include <utility>
 
 #include "src/base/numbers.h"
 #include "src/springs/layer_bed.h"
+#include "src/springs/part_bed.h"
 
 namespace dea {
 
@@ -41,6 +44,19 @@ Springs make_springs(const Layer& source, int refine) {
 
 }  // namespace
 
+namespace {
+
+/// What of a bed depends on where its surfaces are.
+void place_target(SpringBed& bed) {
+  bed.foot_radius = 0.0;
+  for (int i = 0; i < bed.springs.size(); ++i)
+    for (const Vector3d& corner : bed.springs.triangle[at(i)])
+      bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
+  bed.rim_distance = rim_distances(bed.target.mesh(), 4.0 * bed.foot_radius);
+}
+
+}  // namespace
+
 SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   SpringBed bed{pair,
@@ -53,17 +69,34 @@ SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair) {
                 {},
                 0.0,
                 target.max_thickness(),
+                0.0,
                 nullptr};
-  for (int i = 0; i < bed.springs.size(); ++i)
-    for (const Vector3d& corner : bed.springs.triangle[at(i)])
-      bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
-  bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
+  for (const Layer& layer : pair.layers)
+    if (layer.part >= 0) bed.part_depth += joint.parts[at(layer.part)].depth;
+  place_target(bed);
+  return bed;
+}
+
+SpringBed with_surfaces_at(SpringBed bed, const std::vector<Vector3d>& source, const std::vector<Vector3d>& target) {
+  Layer& from = bed.pair.layers[bed.pair.source];
+  if (!source.empty()) {
+    SurfaceMesh& mesh = from.springs_at == SpringsAt::Bone ? from.bone : from.articular;
+    mesh = with_vertices_at(std::move(mesh), source, bed.pair.facets == Facets::Flat);
+    bed.springs = make_springs(from, bed.pair.refine);
+  }
+  if (!target.empty())
+    bed.target = RayCaster(with_vertices_at(bed.target.mesh(), target, bed.pair.facets == Facets::Flat));
+  if (!source.empty() || !target.empty()) place_target(bed);
   return bed;
 }
 
 SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {
   SpringBed bed = place_springs_alone(joint, pair);
-  if (bed.pair.law == Law::Layer) bed.layers = make_layer_bed(joint, pair, shared);
+  if (bed.pair.law == Law::Layer) {
+    const std::shared_ptr<LayerBed> layers = make_layer_bed(joint, pair, shared);
+    layers->pairs = foot_pairs(bed.springs, *layers);
+    bed.layers = layers;
+  }
   return bed;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "src/springs/layer_contact.h"
+#include "src/springs/part_operator.h"
 #include "src/springs/springs.h"
 
 namespace dea {
@@ -16,17 +17,20 @@ struct BedLayer {
   std::vector<int> triangle;
   std::vector<unsigned char> turn;
   std::vector<char> own;  ///< per triangle of the layer's mesh: of the contact's surface; empty: the pressed ones are
+  std::shared_ptr<const PartOperator> part;  ///< what gives way under the surface in a layer's place; none: nothing
+  std::vector<int> part_node;                ///< per vertex of the surface: the part's node
 
   /// The triangle of the layer's mesh at a point of the surface's triangle `t`.
   int mesh_triangle(int t, const Barycentric& w) const;
 };
 
-/// The two layers of a contact as operators, each on its own mesh: factorised once, whatever the poses.
+/// The two layers of a contact, or parts, as operators, each on its own mesh: factorised once, whatever the poses.
 struct LayerBed {
   BedLayer source, target;
   LayerFeet whole;                   ///< the springs' whole feet on the source's layer
   std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on; bare: empty
-  std::vector<char> ends;  ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
+  std::vector<FootPair> pairs;  ///< of the springs, between parts without a layer (P4)
+  std::vector<char> ends;       ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
 };
 
 /// A contact with Law::Layer at a pose.

@@ -30,6 +30,59 @@ void press_each(const SpringBed& bed, SpringStates& s, const Pose& target) {
   }
 }
 
+std::vector<SpringStates> gaps_of(const std::vector<PosedBed>& beds) {
+  std::vector<SpringStates> states(beds.size());
+  for (std::size_t b = 0; b < beds.size(); ++b)
+    if (beds[b].active) states[b] = find_gaps(*beds[b].bed, beds[b].source, beds[b].target);
+  return states;
+}
+
+/// Law::Layer. What lies opposite a foot is where pressures have moved it to: gaps are found again until the pressures
+/// on them are the same; what a part moves besides is linear. Without parts once is enough.
+std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds, const PressOptions& options,
+                                               PressMemory* memory) {
+  constexpr int kMostRounds = 60;
+  std::vector<const PartOperator*> parts;
+  for (const PosedBed& posed : beds)
+    for (const PartOperator* part : parts_of(*posed.bed))
+      if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
+  PressMemory own;
+  if (!parts.empty() && memory == nullptr) memory = &own;
+  PartMotions moved;
+  if (memory && memory->part_motion.size() == parts.size())
+    for (std::size_t k = 0; k < parts.size(); ++k) moved[parts[k]] = memory->part_motion[k];
+  std::vector<SpringStates> states;
+  bool fits = false;
+  for (int round = 0; !fits && round < kMostRounds; ++round) {
+    std::vector<SpringBed> there;
+    there.reserve(beds.size());
+    std::vector<PosedBed> posed = beds;
+    for (PosedBed& p : posed) {
+      if (moved.empty() || parts_of(*p.bed).empty()) continue;
+      there.push_back(with_parts_moved(*p.bed, moved));
+      p.bed = &there.back();
+    }
+    states = gaps_of(posed);
+    fits = press_layers(posed, states, options, memory, moved);
+  }
+  for (std::size_t b = 0; b < beds.size(); ++b) {
+    if (!beds[b].active || parts.empty()) continue;
+    if (!fits) states[b].complementary = false;
+    for (const bool target : {false, true}) {
+      const BedLayer& of = target ? beds[b].bed->layers->target : beds[b].bed->layers->source;
+      if (!of.part) continue;
+      const auto motion = moved.find(of.part.get());
+      states[b].part_motion[target] =
+          motion != moved.end() ? motion->second : Eigen::MatrixX3d::Zero(of.part->mesh.size(), 3);
+    }
+  }
+  if (parts.empty()) return states;
+  memory->part_motion.clear();
+  for (const PartOperator* part : parts)
+    memory->part_motion.push_back(moved.count(part) > 0 ? moved[part] : Eigen::MatrixX3d::Zero(part->mesh.size(), 3));
+  return states;
+}
+
 }  // namespace
 
 SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose& target, const PressOptions& options,
@@ -39,11 +92,9 @@ SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose&
 
 std::vector<SpringStates> press_together(const std::vector<PosedBed>& beds, const PressOptions& options,
                                          PressMemory* memory) {
-  std::vector<SpringStates> states(beds.size());
-  for (std::size_t b = 0; b < beds.size(); ++b)
-    if (beds[b].active) states[b] = find_gaps(*beds[b].bed, beds[b].source, beds[b].target);
   const bool layers = beds.front().bed->layers != nullptr;
-  if (layers) press_layers(beds, states, options, memory);
+  std::vector<SpringStates> states =
+      layers ? press_where_parts_go(beds, options, memory) : gaps_of(beds);
   for (std::size_t b = 0; b < beds.size(); ++b) {
     SpringStates& s = states[b];
     if (!layers && beds[b].active) press_each(*beds[b].bed, s, beds[b].target);

@@ -41,6 +41,7 @@ struct SpringBed {
   std::vector<double> rim_distance;  ///< of the target's triangles
   double foot_radius = 0.0;          ///< largest distance of a foot triangle's corner from its centroid
   double max_target_thickness = 0.0;
+  double part_depth = 0.0;  ///< SoftPart::depth of both sides: so much deeper a foot may stand before it is too deep
   std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
 };
 
@@ -94,6 +95,8 @@ struct SpringStates {
   std::vector<CrossRates> cross;  ///< Law::Layer, of contacts of other bodies that press the same layers
   double complementarity = 0.0;   ///< Law::Layer: residual of (L4), relative to the largest pressure
   bool complementary = true;      ///< Law::Layer: (L4) was solved to its tolerance
+  /// Where a side is a part's surface: how its nodes have moved in its frame (nodes x 3); source, target.
+  std::array<Eigen::MatrixX3d, 2> part_motion;
   int size() const { return static_cast<int>(gap.size()); }
   /// The spring's force [N].
   double force(std::size_t k) const { return pressure[k] * carrying[k]; }
@@ -135,6 +138,7 @@ struct PressMemory {
   std::vector<Pose> source, target;
   Eigen::VectorXd nearly;          ///< the pressures, and below zero what is missing for one
   Eigen::VectorXd change, motion;  ///< of `nearly`; 6 per pair; empty: there was none
+  std::vector<Eigen::MatrixX3d> part_motion;  ///< of the parts that are pressed together, in their order
 };
 
 }  // namespace dea

@@ -1,0 +1,29 @@
+// src/facts/soft_regions.h – which deformable regions are parts of their own (menisci, discs, labra), no layers on bone.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "src/facts/bodies.h"
+#include "src/facts/holders.h"
+#include "src/model/joint_model.h"
+#include "src/model/settings.h"
+
+namespace dea {
+
+/// A deformable region that gives way as its elements do.
+struct SoftRegion {
+  int region = -1;             ///< its root node
+  std::string name;            ///< of the material most of its elements have
+  int body = -1;               ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
+  int other = -1;              ///< a second body that holds it, -1: none
+  bool free = false;           ///< nothing holds it
+  std::string why;             ///< how it was told, as a sentence
+};
+
+/// Named by the user, or in a sliding contact and held by nothing at all. Bodies of those that are free are put before
+/// the ground: then `holders` must be found anew. Throws UsageError for a name that is no deformable material.
+std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Settings& settings,
+                                          const std::vector<char>& rigid, const std::vector<int>& region,
+                                          const Holders& holders, Bodies& bodies);
+
+}  // namespace dea

@@ -1,0 +1,41 @@
+// src/joint/part.h – a deformable part of a joint that is no layer: its mesh, its material, who holds it.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "src/model/solid_element.h"
+
+namespace dea {
+
+/// The part's own mesh. Frame: its reference configuration, global axes.
+struct PartMesh {
+  std::vector<Vector3d> nodes;
+  std::vector<ElementShape> shape;  ///< per element
+  std::vector<int> begin = {0};     ///< nodes of element e: element_node[begin[e]] .. element_node[begin[e + 1]]
+  std::vector<int> element_node;
+  std::vector<int> material;      ///< per element: dilatations at nodes are averaged within one material
+  std::vector<Matrix6d> elastic;  ///< per element, stress per strain [MPa]; one: of all
+  int elements() const { return static_cast<int>(shape.size()); }
+  int size() const { return static_cast<int>(nodes.size()); }
+  const Matrix6d& stiffness(int element) const { return elastic[elastic.size() == 1 ? 0 : at(element)]; }
+  std::vector<Vector3d> corners(int element) const;  ///< where its nodes are
+};
+
+/// A meniscus, a disc, a labrum: it gives way as its elements do (docs/parts.md).
+struct SoftPart {
+  std::string name;              ///< of its material; of the largest where it has several
+  int body = -1;                 ///< index into Joint::bodies: its frame moves with it
+  int other = -1;                ///< a second body that holds it, -1: none
+  PartMesh mesh;
+  std::vector<int> model_nodes;  ///< per node of the mesh: index of the model's node, ascending
+  std::vector<int> holder;       ///< per node: the body that holds it, -1: none
+  double depth = 0.0;            ///< how deep a partner may stand in it where the search begins [mm]
+  bool free() const;             ///< nothing holds it: `body` is its own
+};
+
+struct ModelParts;
+
+/// The soft regions of a model, in their order. InputError: a material or an element of one has no known stiffness.
+std::vector<SoftPart> make_parts(const ModelParts& parts);
+
+}  // namespace dea

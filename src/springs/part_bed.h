@@ -1,0 +1,36 @@
+// src/springs/part_bed.h – deformable parts under the springs of contacts: where their surfaces have moved, what feet
+// press on them (P1)-(P4).
+#pragma once
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "src/springs/posed_bed.h"
+
+namespace dea {
+
+/// The operator of a part of the joint.
+std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart& part);
+
+/// How the nodes of parts have moved, nodes x 3, in their frames; a part that is not there has not moved.
+using PartMotions = std::map<const PartOperator*, Eigen::MatrixX3d>;
+
+/// A bed's parts, each once: of its source, of its target.
+std::vector<const PartOperator*> parts_of(const SpringBed& bed);
+
+/// The bed with the surfaces of its parts where these have moved.
+SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved);
+
+/// Appends a foot for each spring of a bed, with_parts_moved, to those on one of its parts; nothing where it does not
+/// press that part. Without columns (set_reach).
+void add_feet(const SpringBed& bed, const SpringStates& states, const Pose& source, const Pose& target,
+              const PartOperator& part, PartFeet& feet);
+
+/// Of a half-space's own compliance under a foot, what two feet side by side resist each other (P4): enough for
+/// pressures without a checkerboard, too little to be seen in any of them.
+inline constexpr double kPairCompliance = 0.1;
+
+/// Neighbours among the springs of a bed that has parts and no layer on either side (P4).
+std::vector<FootPair> foot_pairs(const Springs& springs, const LayerBed& layers);
+
+}  // namespace dea

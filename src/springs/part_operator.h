@@ -1,0 +1,70 @@
+// src/springs/part_operator.h – a deformable part as an operator: from forces on its nodes to how they move, small
+// strain, in a frame that moves with it (P1)-(P3). Factorised once; poses change nothing in it.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "src/joint/part.h"
+#include "src/springs/sparse_factor.h"
+
+namespace dea {
+
+/// Who holds a node of the part. `Frame`: the body the part's frame moves with. `Other`: a second body.
+enum class PartHold : unsigned char { None, Frame, Other };
+
+/// K u = f over the nodes that nobody holds.                                                                       (P1)
+///
+/// Nothing holds it (a disc): its frame is where it is itself on average, by volume, and its motion an unknown of the
+/// search like a bone's. Forces that do not balance are met by a body force that does, l:
+///     [K  M R; (M R)^T  0] (u, l) = (f, 0)                                                                       (P2)
+/// M: the nodes' volumes, R: rigid motions. Three nodes are held in six components, K_p; with Z = K_p^-1 M R,
+/// G = R^T M R, S = Z^T M R, for any f
+///     c = G^-1 R^T f,   v = K_p^-1 f - Z c,   u = v - R G^-1 (Z^T f - S c)
+/// which needs a sparse solution at the nodes asked for alone.
+///
+/// A second body holds it, too: u = K^-1 f + W theta, theta the other's small rigid motion in the frame; the force on
+/// the other is W^T f - S theta                                                                                   (P3)
+struct PartOperator {
+  PartMesh mesh;
+  std::vector<PartHold> hold;   ///< per node
+  std::vector<int> unknown;     ///< 3 per node; -1: held
+  SparseFactor factor;          ///< of K over the unknowns
+  std::vector<double> volume;   ///< per node: its share of the elements'
+  double softness = 0.0;        ///< strain per stress along its stiffest axis, of its softest element [1/MPa]
+  bool free = false;            ///< nothing holds it
+  Vector3d center = Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
+  Eigen::MatrixXd Z;                   ///< free: unknowns x 6
+  Eigen::Matrix<double, 6, 6> G_inverse, S;
+  Eigen::MatrixXd W;  ///< held by two bodies: unknowns x 6
+};
+
+/// `other_center`: about which the second holder's motion is told. Throws std::runtime_error where what holds it leaves
+/// it a motion, or a piece of it hangs on nothing.
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center = {0, 0, 0});
+
+/// What feet press on: for each foot the forces on nodes per unit of pressure, in the part's frame.
+struct PartFeet {
+  std::vector<int> begin = {0};
+  std::vector<int> node;
+  std::vector<Vector3d> weight;  ///< [mm^2]: area times direction, times the node's share
+  std::vector<double> area;      ///< per foot [mm^2]; 0: it stands on nothing
+  std::vector<double> scale;     ///< about how far it sinks for itself per pressure [mm/MPa]: leads searches, no more
+  std::vector<int> columns;      ///< of the factor: those that feet have to do with (set_reach)
+  int size() const { return static_cast<int>(area.size()); }
+};
+void set_reach(PartFeet& feet, const PartOperator& part);
+
+/// w per foot [mm], along its force, per pressure [MPa]; both feet x columns. A_i w_i = N_i^T u: symmetric, not negative.
+Eigen::MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
+
+/// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame. `other`: the second
+/// holder's motion: translation of `center`, rotation.
+Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force,
+                               const Eigen::Matrix<double, 6, 1>& other = Eigen::Matrix<double, 6, 1>::Zero());
+/// Forces of the feet on all nodes.
+Eigen::MatrixX3d nodal_forces(const PartOperator& part, const PartFeet& feet, const Eigen::VectorXd& pressure);
+/// Force and moment about `center` that the part exerts on its second holder (P3).
+Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen::MatrixX3d& force,
+                                           const Eigen::Matrix<double, 6, 1>& other);
+
+}  // namespace dea
