@@ -40,6 +40,7 @@ BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, Shared
     for (const int node : layer.articular.model_nodes)
       of.part_node.push_back(static_cast<int>(
           std::lower_bound(part.model_nodes.begin(), part.model_nodes.end(), node) - part.model_nodes.begin()));
+    of.part_quad = part_quads(layer.articular);
     return of;
   }
   if (layer.rigid) return of;

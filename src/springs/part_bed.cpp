@@ -25,32 +25,67 @@ std::vector<Vector3d> moved_vertices(const SurfaceMesh& mesh, const BedLayer& of
   return vertices;
 }
 
-/// A foot's forces on nodes: one part after the other.
-struct FootOnNodes {
-  PartFeet& feet;
-  const BedLayer& of;
-  const SurfaceMesh& mesh;
-  /// `area` of a triangle with the mean barycentric weights `w`, pressed along `direction`.
-  void add(int triangle, const Barycentric& w, const Vector3d& force) const {
-    for (std::size_t c = 0; c < 3; ++c) {
-      feet.node.push_back(of.part_node[at(mesh.triangles[at(triangle)][c])]);
-      feet.weight.push_back(w[c] * force);
-    }
-  }
+/// Means over what of a triangle a foot stands on: of its barycentric weights, and of their products two by two.
+struct Moments {
+  Barycentric mean = {0, 0, 0};
+  std::array<Barycentric, 3> product = {};
 };
 
-/// Mean of the barycentric weights over a part of a triangle.
-Barycentric middle_of(const SurfacePart& part) {
-  Barycentric sum = {0, 0, 0};
+/// `corners`: of a convex polygon in the triangle, in its barycentric weights.
+Moments moments_of(const Barycentric* corners, int count) {
+  Moments m;
   double all = 0.0;
-  for (int k = 1; k + 1 < part.corners; ++k) {  // a fan of triangles, in the plane of the first two weights
-    const Barycentric &a = part.corner[0], &b = part.corner[at(k)], &c = part.corner[at(k + 1)];
+  for (int k = 1; k + 1 < count; ++k) {  // a fan of triangles; on each, means of products of linear functions
+    const std::array<const Barycentric*, 3> of = {&corners[0], &corners[k], &corners[k + 1]};
+    const Barycentric &a = *of[0], &b = *of[1], &c = *of[2];
     const double area = std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
-    for (std::size_t i = 0; i < 3; ++i) sum[i] += area * (a[i] + b[i] + c[i]) / 3;
     all += area;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double sum_i = a[i] + b[i] + c[i];
+      m.mean[i] += area * sum_i / 3;
+      for (std::size_t j = 0; j < 3; ++j) {
+        double both = sum_i * (a[j] + b[j] + c[j]);
+        for (const Barycentric* corner : of) both += (*corner)[i] * (*corner)[j];
+        m.product[i][j] += area * both / 12;
+      }
+    }
   }
-  for (std::size_t i = 0; i < 3; ++i) sum[i] = all > 0 ? sum[i] / all : 1.0 / 3;
-  return sum;
+  for (std::size_t i = 0; i < 3; ++i) {
+    m.mean[i] /= all;
+    for (double& p : m.product[i]) p /= all;
+  }
+  return m;
+}
+
+/// At one point.
+Moments moments_at(const Barycentric& w) {
+  Moments m{w, {}};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) m.product[i][j] = w[i] * w[j];
+  return m;
+}
+
+/// Adds an even traction's forces on nodes. Half a quadrilateral shares them as the whole does, whose displacements are
+/// bilinear: with its corner at the right angle r, the ends p and q of the diagonal and s beyond it, and x = w_p, y = w_q,
+/// s gets xy, p gets x (1 - y), q gets (1 - x) y, r the rest.
+void add_force(PartFeet& feet, const BedLayer& of, const SurfaceMesh& mesh, int t, const Moments& m,
+               const Vector3d& force) {
+  const auto& corners = mesh.triangles[at(t)];
+  const auto put = [&](int vertex, double share) {
+    feet.node.push_back(of.part_node[at(vertex)]);
+    feet.weight.push_back(share * force);
+  };
+  const PartQuad& quad = of.part_quad[at(t)];
+  if (quad.diagonal < 0) {
+    for (std::size_t c = 0; c < 3; ++c) put(corners[c], m.mean[c]);
+    return;
+  }
+  const std::size_t p = at(quad.diagonal), q = (p + 1) % 3, r = (p + 2) % 3;
+  const double both = m.product[p][q];
+  put(corners[p], m.mean[p] - both);
+  put(corners[q], m.mean[q] - both);
+  put(corners[r], m.mean[r] + both);
+  put(quad.beyond, both);
 }
 
 void end_foot(PartFeet& feet, double area, double soft) {
@@ -67,6 +102,21 @@ std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart
     hold.push_back(body < 0 ? PartHold::None : body == of.body ? PartHold::Frame : PartHold::Other);
   const Vector3d center = of.other >= 0 ? joint.bodies[at(of.other)].center_of_mass : Vector3d::Zero();
   return std::make_shared<const PartOperator>(make_part_operator(of.mesh, std::move(hold), center));
+}
+
+std::vector<PartQuad> part_quads(const SurfaceMesh& mesh) {
+  std::vector<int> count(at(mesh.facets), 0);
+  for (const int f : mesh.facet) ++count[at(f)];
+  std::vector<PartQuad> quads(mesh.triangles.size());
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other < 0 || mesh.facet[at(other)] != mesh.facet[at(t)] || count[at(mesh.facet[at(t)])] != 2) continue;
+      const auto& corners = mesh.triangles[at(t)];
+      for (const int v : mesh.triangles[at(other)])
+        if (v != corners[at(k)] && v != corners[at((k + 1) % 3)]) quads[at(t)] = {k, v};
+    }
+  return quads;
 }
 
 std::vector<const PartOperator*> parts_of(const SpringBed& bed) {
@@ -97,9 +147,11 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
     if (on_source && area > 0) {
       const int t = bed.springs.surface_triangle[k];
       const Vector3d foot = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
-      FootOnNodes{feet, bed.layers->source, from}.add(
-          t, weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot),
-          -area * bed.springs.direction[k]);
+      const Moments m =
+          s.coverage[k] < 1
+              ? moments_at(weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot))
+              : moments_of(bed.springs.weights[k].data(), 3);
+      add_force(feet, bed.layers->source, from, t, m, -area * bed.springs.direction[k]);
     }
     if (on_target && area > 0) {
       const std::vector<SurfacePart> under = parts_under_spring(bed, relative, to, s, i, s.triangle[k], to.size());
@@ -108,7 +160,8 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
       const Vector3d n = relative.rotation * bed.springs.direction[k];
       for (const SurfacePart& p : under)
         if (covered > 0)
-          FootOnNodes{feet, bed.layers->target, to}.add(p.triangle, middle_of(p), area * p.area / covered * n);
+          add_force(feet, bed.layers->target, to, p.triangle, moments_of(p.corner.data(), p.corners),
+                    area * p.area / covered * n);
     }
     end_foot(feet, area, part.softness);
   }
