@@ -8,6 +8,7 @@
 #include "src/base/parallel.h"
 #include "src/results/headline.h"
 #include "src/springs/gaps.h"
+#include "src/springs/part_bed.h"
 #include "src/springs/spring_law.h"
 
 namespace dea {
@@ -385,6 +386,25 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
   return fields;
 }
 
+/// A contact with the surfaces of its parts where these have gone. Facets keep the areas they had, as a layer's do: the
+/// map carries the force.
+struct MovedContact {
+  SpringBed bed;
+  FieldMaps::ContactMap map;
+};
+MovedContact where_parts_are(const SpringBed& bed, const FieldMaps::ContactMap& map, const SpringStates& s) {
+  PartMotions moved;
+  for (const bool target : {false, true})
+    if (const BedLayer& of = target ? bed.layers->target : bed.layers->source; of.part)
+      moved[of.part.get()] = s.part_motion[target];
+  MovedContact there{with_parts_moved(bed, moved), map};
+  for (const int side : {0, 1}) {
+    const Layer& layer = there.bed.pair.layers[side];
+    if (layer.part >= 0) there.map.articular[side] = RayCaster(layer.articular);
+  }
+  return there;
+}
+
 /// The facets of all surfaces that press a layer.
 FieldMaps::SharedMap make_shared_map(const JointModel& model, const Joint& joint, const SharedLayer& layer) {
   FieldMaps::SharedMap map;
@@ -434,8 +454,14 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
     const bool active = e.springs[c].size() > 0;
     const SpringStates inactive = active ? SpringStates{} : inactive_springs(bed, source, target);
-    all.push_back(fields_of_contact({bed, maps.contacts[c], active ? e.springs[c] : inactive, source, target},
-                                    e.contact_on_target[c].head<3>(), active));
+    const Vector3d force = e.contact_on_target[c].head<3>();
+    if (active && !parts_of(bed).empty()) {
+      const MovedContact there = where_parts_are(bed, maps.contacts[c], e.springs[c]);
+      all.push_back(fields_of_contact({there.bed, there.map, e.springs[c], source, target}, force, active));
+      continue;
+    }
+    all.push_back(fields_of_contact({bed, maps.contacts[c], active ? e.springs[c] : inactive, source, target}, force,
+                                    active));
   }
   return all;
 }
@@ -493,6 +519,15 @@ SideFields added_sides(const std::vector<const SideFields*>& sides) {
   return sum;
 }
 
+const Eigen::MatrixX3d* part_motion(const Joint& joint, const Equilibrium& e, int part) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+    for (const int side : {0, 1})
+      if (const Eigen::MatrixX3d& motion = e.springs[c].part_motion[at(side == joint.contacts[c].source ? 0 : 1)];
+          joint.contacts[c].layers[side].part == part && motion.rows() > 0)
+        return &motion;
+  return nullptr;
+}
+
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
                                          const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash) {
   std::vector<Vector3d> u(model.nodes.size(), Vector3d::Zero());
@@ -501,6 +536,15 @@ std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& j
     if (b < 0) continue;
     const Pose& pose = e.poses[at(b)];
     u[i] = pose.center + pose.rotation * (model.nodes[i] - joint.bodies[at(b)].center_of_mass) - model.nodes[i];
+  }
+  for (std::size_t k = 0; k < joint.parts.size(); ++k) {
+    const SoftPart& part = joint.parts[k];
+    const Eigen::MatrixX3d* motion = part_motion(joint, e, static_cast<int>(k));
+    const Pose& pose = e.poses[at(part.body)];
+    for (int i = 0; motion != nullptr && i < part.mesh.size(); ++i)
+      u[at(part.model_nodes[at(i)])] =
+          pose.center - part.mesh.nodes[at(i)] +
+          pose.rotation * (part.mesh.nodes[at(i)] + motion->row(i).transpose() - joint.bodies[at(part.body)].center_of_mass);
   }
   if (!squash) return u;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

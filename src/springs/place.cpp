@@ -84,8 +84,11 @@ SpringBed with_surfaces_at(SpringBed bed, const std::vector<Vector3d>& source, c
     mesh = with_vertices_at(std::move(mesh), source, bed.pair.facets == Facets::Flat);
     bed.springs = make_springs(from, bed.pair.refine);
   }
-  if (!target.empty())
+  if (!target.empty()) {
+    Layer& to = bed.pair.layers[1 - bed.pair.source];
     bed.target = RayCaster(with_vertices_at(bed.target.mesh(), target, bed.pair.facets == Facets::Flat));
+    (to.springs_at == SpringsAt::Bone ? to.bone : to.articular) = bed.target.mesh();
+  }
   if (!source.empty() || !target.empty()) place_target(bed);
   return bed;
 }
