@@ -21,32 +21,6 @@ Vector3d arm_of(const Joint& joint, int body, const Vector3d& reference, const s
   return poses[at(body)].rotation * (reference - joint.bodies[at(body)].center_of_mass);
 }
 
-/// Adds a tension along the line between points of two bodies (E7).
-void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Tension& tension,
-              const std::vector<Pose>& poses, BodyForces& forces) {
-  const Vector3d c = poses[at(body_b)].center + arm_b - poses[at(body_a)].center - arm_a;
-  const double L = c.norm();
-  if (!(L > 0) || body_a == body_b) return;  // within one body nothing is pulled
-  const Vector3d n = c / L, f = tension.force * n;
-  const int a = 6 * body_a, b = 6 * body_b;
-  forces.value.segment<3>(a) += f;
-  forces.value.segment<3>(a + 3) += arm_a.cross(f);
-  forces.value.segment<3>(b) -= f;
-  forces.value.segment<3>(b + 3) -= arm_b.cross(f);
-  const Matrix3d K = tension.force / L * (Matrix3d::Identity() - n * n.transpose()) + tension.slope * n * n.transpose();
-  // dc = dv_b - [arm_b]x w_b - dv_a + [arm_a]x w_a
-  Eigen::Matrix<double, 3, 12> dc;
-  dc << -Matrix3d::Identity(), skew(arm_a), Matrix3d::Identity(), -skew(arm_b);
-  Matrix12 D;
-  D.topRows<3>() = K * dc;
-  D.middleRows<3>(3) = skew(arm_a) * D.topRows<3>();
-  D.middleRows<3>(6) = -D.topRows<3>();
-  D.bottomRows<3>() = -skew(arm_b) * D.topRows<3>();
-  D.block<3, 3>(3, 3) += skew(f) * skew(arm_a);  // (w x arm) x f
-  D.block<3, 3>(9, 9) -= skew(f) * skew(arm_b);
-  forces.derivative.add(body_a, body_b, D);
-}
-
 /// Adds a force at a point of a body; `turns`: its direction is the body's.
 void add_point_force(int body, const Vector3d& arm, const Vector3d& force, bool turns, BodyForces& forces) {
   forces.value.segment<3>(6 * body) += force;
@@ -97,6 +71,31 @@ double curve_slope(const LoadController& curve, double x) {
 }
 
 }  // namespace
+
+void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Tension& tension,
+              const std::vector<Pose>& poses, BodyForces& forces) {
+  const Vector3d c = poses[at(body_b)].center + arm_b - poses[at(body_a)].center - arm_a;
+  const double L = c.norm();
+  if (!(L > 0) || body_a == body_b) return;  // within one body nothing is pulled
+  const Vector3d n = c / L, f = tension.force * n;
+  const int a = 6 * body_a, b = 6 * body_b;
+  forces.value.segment<3>(a) += f;
+  forces.value.segment<3>(a + 3) += arm_a.cross(f);
+  forces.value.segment<3>(b) -= f;
+  forces.value.segment<3>(b + 3) -= arm_b.cross(f);
+  const Matrix3d K = tension.force / L * (Matrix3d::Identity() - n * n.transpose()) + tension.slope * n * n.transpose();
+  // dc = dv_b - [arm_b]x w_b - dv_a + [arm_a]x w_a
+  Eigen::Matrix<double, 3, 12> dc;
+  dc << -Matrix3d::Identity(), skew(arm_a), Matrix3d::Identity(), -skew(arm_b);
+  Matrix12 D;
+  D.topRows<3>() = K * dc;
+  D.middleRows<3>(3) = skew(arm_a) * D.topRows<3>();
+  D.middleRows<3>(6) = -D.topRows<3>();
+  D.bottomRows<3>() = -skew(arm_b) * D.topRows<3>();
+  D.block<3, 3>(3, 3) += skew(f) * skew(arm_a);  // (w x arm) x f
+  D.block<3, 3>(9, 9) -= skew(f) * skew(arm_b);
+  forces.derivative.add(body_a, body_b, D);
+}
 
 void BlockMatrix::add(int a, int b, const Matrix12& value) { add(a, b, a, b, value); }
 

@@ -39,10 +39,6 @@ struct BodyForces {
 
 /// Tension of a ligament at length L (distance of its points), and dT/dL. `scale`: LoadCase::ligament_scale.
 /// A curve that jumps has the slope of its nearer side; one with a kink the mean of both.
-struct Tension {
-  double force = 0.0;
-  double slope = 0.0;
-};
 Tension tension(const Ligament& ligament, double length, double scale);
 
 /// The fault of the first ligament whose force has no finite value at these poses, with its place and what to do;
@@ -52,6 +48,10 @@ std::string undefined_force(const Joint& joint, const LoadCase& load_case, const
 /// Adds the pull of a ligament on both of its bodies (E7); returns its tension.
 double add_ligament(const Joint& joint, const Ligament& ligament, double scale, const std::vector<Pose>& poses,
                     BodyForces& forces);
+
+/// Adds a tension along the line between points of two bodies (E7); arms are from their centres of mass, global frame.
+void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Tension& tension,
+              const std::vector<Pose>& poses, BodyForces& forces);
 
 /// Adds the pulls of a cable's segments on its points, and of what lies beyond the last one.
 void add_cable(const Joint& joint, const Cable& cable, double force, const std::vector<Pose>& poses,

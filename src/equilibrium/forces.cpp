@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "src/base/numbers.h"
@@ -53,11 +54,16 @@ Motions free_motions(const Problem& problem, const SpringBed& bed) {
   return motions;
 }
 
+double ligament_scale(const LoadCase& load_case, int ligament) {
+  return at(ligament) < load_case.ligament_scale.size() ? load_case.ligament_scale[at(ligament)] : 1.0;
+}
+
 /// Springs of the active contacts, and what they do to their bodies.
 void press_contacts(Problem& problem, Evaluation& e) {
   const std::vector<SpringBed>& beds = problem.beds.beds;
   const std::vector<char>& active = problem.load_case.contact_active;
   e.springs.resize(beds.size());
+  e.ties.resize(problem.beds.ties.size());
   e.contact_on_target.assign(beds.size(), Vector6::Zero());
   std::vector<Motions> motions;
   for (const SpringBed& bed : beds) motions.push_back(free_motions(problem, bed));
@@ -66,8 +72,21 @@ void press_contacts(Problem& problem, Evaluation& e) {
   for (std::size_t g = 0; g < problem.beds.groups.size(); ++g) {
     const std::vector<int>& group = problem.beds.groups[g];
     if (std::none_of(group.begin(), group.end(), [&](int c) { return active[at(c)] != 0; })) continue;
+    const TieLaw law = [&](int ligament, double length) -> std::optional<Tension> {
+      if (!problem.load_case.ligament_active[at(ligament)]) return std::nullopt;
+      return tension(problem.joint.ligaments[at(ligament)], length, ligament_scale(problem.load_case, ligament));
+    };
     std::vector<PressedContact> pressed =
-        press_group(problem.beds, group, e.poses, motions, active, options, &problem.memory[g]);
+        press_group(problem.beds, group, e.poses, motions, active, options, &problem.memory[g], law);
+    for (std::size_t k = 0; k < problem.beds.group_ties[g].size(); ++k) {
+      const int t = problem.beds.group_ties[g][k];
+      const SpringBed& tie = problem.beds.ties[at(t)];
+      PressedContact& of = pressed[group.size() + k];
+      e.derivative.add(tie.target_body, tie.source_body, of.wrench.derivative);
+      for (const ContactWrench::Cross& other : of.wrench.cross)
+        e.derivative.add(tie.target_body, tie.source_body, other.bodies.target, other.bodies.source, other.derivative);
+      e.ties[at(t)] = std::move(of.springs);
+    }
     for (std::size_t k = 0; k < group.size(); ++k) {
       e.springs[at(group[k])] = std::move(pressed[k].springs);
       wrenches[at(group[k])] = std::move(pressed[k].wrench);
@@ -94,10 +113,24 @@ void pull_ligaments(const Problem& problem, Evaluation& e, BodyForces& forces) {
   const Joint& joint = problem.joint;
   const LoadCase& load_case = problem.load_case;
   e.ligament_force.assign(joint.ligaments.size(), 0.0);
+  std::vector<char> pulled(joint.ligaments.size(), 0);
+  for (std::size_t t = 0; t < e.ties.size(); ++t) {
+    const SpringBed& bed = problem.beds.ties[t];
+    for (int i = 0; i < e.ties[t].size(); ++i) {
+      const auto ligament = at(bed.ties[at(i)].ligament);
+      const SpringStates& s = e.ties[t];
+      pulled[ligament] = 1;
+      e.ligament_force[ligament] = s.pressure[at(i)] * s.area[at(i)];
+      // the slope is in tie_rates, in series with what gives way
+      add_line(bed.source_body, s.foot[at(i)] - e.poses[at(bed.source_body)].center, bed.target_body,
+               s.end[at(i)] - e.poses[at(bed.target_body)].center, {e.ligament_force[ligament], 0.0}, e.poses, forces);
+    }
+  }
   for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
     if (!load_case.ligament_active[i]) continue;
-    const double scale = i < load_case.ligament_scale.size() ? load_case.ligament_scale[i] : 1.0;
-    e.ligament_force[i] = add_ligament(joint, joint.ligaments[i], scale, e.poses, forces);
+    if (!pulled[i])
+      e.ligament_force[i] =
+          add_ligament(joint, joint.ligaments[i], ligament_scale(load_case, static_cast<int>(i)), e.poses, forces);
     e.load = std::max(e.load, std::abs(e.ligament_force[i]));
   }
   for (std::size_t i = 0; i < load_case.cable_force.size(); ++i) {

@@ -16,6 +16,7 @@ namespace dea {
 /// Everything known at one set of poses. Vectors over all dofs of all bodies, 6 per body: force, and moment about the
 /// current centre of mass, global frame; those ON the bodies.
 struct Evaluation : PosedSprings {
+  std::vector<SpringStates> ties;                ///< per bed of SpringBeds::ties; empty states: they do not act
   Eigen::VectorXd contact, ligaments, external;  ///< `ligaments`: cables and the connectors' loads too; `external`:
                                                  ///  what holds points of bodies, too
   BlockMatrix derivative;                        ///< of their sum and of the reactions

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -24,7 +25,7 @@ std::array<std::vector<int>, 2> rank(const ContactPair& pair) {
   return nodes;
 }
 
-std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
+std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds, const std::vector<SpringBed>& ties) {
   DisjointSets sets(beds.size());
   std::map<const void*, int> first;  // by what gives way
   for (int b = 0; b < static_cast<int>(beds.size()); ++b) {
@@ -32,6 +33,10 @@ std::vector<std::vector<int>> groups_of(const std::vector<SpringBed>& beds) {
     for (const BedLayer* of : {&beds[at(b)].layers->source, &beds[at(b)].layers->target})
       for (const void* key : {static_cast<const void*>(of->layer.get()), static_cast<const void*>(of->part.get())})
         if (key != nullptr) sets.join(first.emplace(key, b).first->second, b);
+  }
+  for (const SpringBed& tie : ties) {  // two parts that it joins
+    const std::vector<const PartOperator*> parts = parts_of(tie);
+    if (parts.size() == 2) sets.join(first.at(parts[0]), first.at(parts[1]));
   }
   const std::vector<int> numbers = sets.numbers();
   std::vector<std::vector<int>> groups;
@@ -70,6 +75,65 @@ double stiffest_layer(const Joint& joint) {
   return most;
 }
 
+namespace {
+
+/// An end of a ligament on a part: its operator and node there; none: the end is the body's own.
+struct TieEnd {
+  std::shared_ptr<const PartOperator> part;
+  int node = -1;
+};
+TieEnd tie_end(const Joint& joint, const SharedOperators& shared, int model_node) {
+  for (std::size_t k = 0; k < joint.parts.size() && model_node >= 0; ++k) {
+    const std::vector<int>& nodes = joint.parts[k].model_nodes;
+    const auto place = std::lower_bound(nodes.begin(), nodes.end(), model_node);
+    const auto made = shared.parts.find(static_cast<int>(k));
+    if (place != nodes.end() && *place == model_node && made != shared.parts.end())
+      return {made->second, static_cast<int>(place - nodes.begin())};
+  }
+  return {};
+}
+
+/// Ligaments on parts that contacts press. Bodies stand in the order of a contact between them, if there is one.
+std::vector<SpringBed> tie_beds(const Joint& joint, const std::vector<SpringBed>& beds, const SharedOperators& shared) {
+  std::vector<SpringBed> ties;
+  double area = 0.0;
+  for (const SpringBed& bed : beds) area += surface_extent(bed.pair.source_layer().articular).area;
+  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
+    const Ligament& l = joint.ligaments[i];
+    TieEnd a = tie_end(joint, shared, l.part_node[0]), b = tie_end(joint, shared, l.part_node[1]);
+    if (!a.part && !b.part) continue;
+    const bool turned = std::any_of(beds.begin(), beds.end(), [&](const SpringBed& bed) {
+      return bed.source_body == l.body_b && bed.target_body == l.body_a;
+    });
+    PartTie tie{static_cast<int>(i), l.point_a, l.point_b, a.node, b.node};
+    int source = l.body_a, target = l.body_b;
+    if (turned) {
+      std::swap(tie.source, tie.target);
+      std::swap(tie.source_node, tie.target_node);
+      std::swap(source, target);
+      std::swap(a, b);
+    }
+    auto bed = std::find_if(ties.begin(), ties.end(), [&](const SpringBed& known) {
+      return known.source_body == source && known.target_body == target && known.layers->source.part == a.part &&
+             known.layers->target.part == b.part;
+    });
+    if (bed == ties.end()) {
+      auto layers = std::make_shared<LayerBed>();
+      layers->source.part = a.part;
+      layers->target.part = b.part;
+      SpringBed made{{}, source, target, joint.bodies[at(source)].center_of_mass,
+                     joint.bodies[at(target)].center_of_mass, {}, RayCaster(SurfaceMesh{}), {}, 0.0, 0.0, 0.0, layers,
+                     {}, 0.1 * area};
+      ties.push_back(std::move(made));
+      bed = ties.end() - 1;
+    }
+    bed->ties.push_back(tie);
+  }
+  return ties;
+}
+
+}  // namespace
+
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
   SpringBeds beds;
   beds.least_thickness = kInfinity;
@@ -92,7 +156,19 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
             std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));
     }
   }
-  beds.groups = groups_of(beds.beds);
+  beds.ties = tie_beds(joint, beds.beds, shared);
+  beds.groups = groups_of(beds.beds, beds.ties);
+  for (const std::vector<int>& group : beds.groups) {
+    beds.group_ties.emplace_back();
+    for (std::size_t t = 0; t < beds.ties.size(); ++t) {
+      const PartOperator* part = parts_of(beds.ties[t]).front();
+      const auto presses = [&](int c) {
+        const std::vector<const PartOperator*> of = parts_of(beds.beds[at(c)]);
+        return std::find(of.begin(), of.end(), part) != of.end();
+      };
+      if (std::any_of(group.begin(), group.end(), presses)) beds.group_ties.back().push_back(static_cast<int>(t));
+    }
+  }
   beds.stiffest = stiffest_layer(joint);
   beds.length = area > 0 ? std::sqrt(inertia / area) : 1.0;
   return beds;
@@ -101,16 +177,25 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
 std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vector<int>& group,
                                         const std::vector<Pose>& poses, const std::vector<Motions>& motions,
                                         const std::vector<char>& active, const PressOptions& options,
-                                        PressMemory* memory) {
+                                        PressMemory* memory, const TieLaw& law) {
   std::vector<PosedBed> posed;
   for (const int c : group) {
     const SpringBed& bed = beds.beds[at(c)];
     posed.push_back({&bed, poses[at(bed.source_body)], poses[at(bed.target_body)], motions[at(c)], active[at(c)] != 0});
   }
+  const std::vector<int>& ties = beds.group_ties[at(std::find(beds.groups.begin(), beds.groups.end(), group) -
+                                                    beds.groups.begin())];
+  for (const int t : ties) {
+    const SpringBed& bed = beds.ties[at(t)];
+    const Pose &source = poses[at(bed.source_body)], &target = poses[at(bed.target_body)];
+    posed.push_back({&bed, source, target, options.motions, static_cast<bool>(law), &law});
+  }
   std::vector<PressedContact> pressed;
   for (SpringStates& springs : press_together(posed, options, memory)) {
     const PosedBed& of = posed[pressed.size()];
-    const ContactWrench wrench = of.active ? contact_wrench(springs, of.source, of.target) : ContactWrench{};
+    const ContactWrench wrench = !of.active            ? ContactWrench{}
+                                 : !of.bed->ties.empty() ? tie_rates(springs, of.source, of.target)
+                                                         : contact_wrench(springs, of.source, of.target);
     pressed.push_back({std::move(springs), wrench});
   }
   return pressed;

@@ -14,6 +14,8 @@ struct SpringBeds {
   /// Contacts that are pressed together, for they share layers (Law::Layer); each contact in one. In an order that does
   /// not depend on that of the contacts.
   std::vector<std::vector<int>> groups;
+  std::vector<SpringBed> ties;               ///< ligaments that have to do with parts, by the bodies they join
+  std::vector<std::vector<int>> group_ties;  ///< per group: those of `ties` that its parts have to do with
   double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
   double stiffest = 0.0;         ///< stiffest_layer
@@ -42,11 +44,12 @@ struct PressedContact {
 };
 /// All contacts of a group. `poses`: one per body of the joint. `motions`, `active`: per contact of the joint.
 /// `options.motions` is not read. `memory`: as in press_springs. One result per contact of the group; empty states
-/// where the contact is not active.
+/// where the contact is not active. `law`: of the ligaments; those of the group's ties come behind the contacts, without
+/// a wrench (tie_rates); empty: they do not act.
 std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vector<int>& group,
                                         const std::vector<Pose>& poses, const std::vector<Motions>& motions,
                                         const std::vector<char>& active, const PressOptions& options = {},
-                                        PressMemory* memory = nullptr);
+                                        PressMemory* memory = nullptr, const TieLaw& law = {});
 
 /// Where several contacts press one place of a shared layer at once: their partners run through each other there.
 struct PressedTwice {

@@ -134,7 +134,7 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
 }
 
 int soft_region(const ModelParts& parts, int region) {
-  for (std::size_t k = 0; k < parts.soft.size(); ++k)
+  for (std::size_t k = 0; k < parts.soft.size() && region >= 0; ++k)
     if (parts.soft[k].region == region) return static_cast<int>(k);
   return -1;
 }

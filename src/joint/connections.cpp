@@ -37,7 +37,8 @@ Vector3d reference_point(const ConnectionsDraft& draft, int body, const Vector3d
 void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind) {
   const JointModel& model = draft.parts.model;
   l.where = where(model, l.origin);
-  if (joins_one_body(draft, l.body_a, l.body_b, kind, l.name)) return;
+  const bool on_part = l.part_node[0] >= 0 || l.part_node[1] >= 0;  // which moves in its body
+  if (!on_part && joins_one_body(draft, l.body_a, l.body_b, kind, l.name)) return;
   const double length = (l.point_b - l.point_a).norm();
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length))
@@ -72,6 +73,10 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
         say("spring \"{}\" is fastened to node {}, which belongs to no rigid body:", l.name, model.node_ids[at(node)]),
         "fasten it to a node of a bone");
   }
+  for (std::size_t k = 0; k < 2; ++k)
+    if (soft_region(draft.parts, draft.parts.region[at(pair[k])]) >= 0 &&
+        draft.parts.holders.of_node[at(pair[k])].empty())
+      l.part_node[k] = pair[k];
   l.point_a = model.nodes[at(pair[0])];
   l.point_b = model.nodes[at(pair[1])];
   const auto given = [&](const char* parameter) { return given_value(model, draft.parts.settings, set, parameter); };

@@ -22,6 +22,7 @@ struct Ligament : Condition {
   };
   int body_a = -1, body_b = -1;
   Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference positions
+  std::array<int, 2> part_node = {-1, -1};  ///< model's nodes of its ends where they are a part's own; -1: the body's
   Law law = Law::Linear;
   double stiffness = 0.0;    ///< force per elongation
   double free_length = 0.0;  ///< > 0

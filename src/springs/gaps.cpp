@@ -169,17 +169,6 @@ void for_each_spring(int springs, const Body& body) {
   parallel_for(springs, body, 256);
 }
 
-/// All numbers are zero.
-SpringStates empty_states(std::size_t n) {
-  SpringStates s;
-  const auto resize = [n](auto&... each) { (each.resize(n), ...); };
-  resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
-         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.carrying,
-         s.too_deep);
-  s.per_motion.resize(n, Vector3d::Zero());
-  return s;
-}
-
 /// A spring that may reach over the target's rim, and how far the target is hereabouts.
 struct NearRim {
   int spring;
@@ -271,6 +260,16 @@ RimSpring rim_spring(int spring, const Coverage& c, const Pose& source, const Po
 }
 
 }  // namespace
+
+SpringStates empty_states(std::size_t n) {
+  SpringStates s;
+  const auto resize = [n](auto&... each) { (each.resize(n), ...); };
+  resize(s.triangle, s.coverage, s.foot, s.direction, s.end, s.normal, s.end_weights, s.gap, s.t_source, s.t_target,
+         s.overlap, s.pressure, s.strain, s.strain_source, s.strain_target, s.per_overlap, s.area, s.carrying,
+         s.too_deep);
+  s.per_motion.resize(n, Vector3d::Zero());
+  return s;
+}
 
 SpringStates find_gaps(const SpringBed& bed, const Pose& source, const Pose& target) {
   const Springs& springs = bed.springs;

@@ -12,6 +12,9 @@ namespace dea {
 /// is computed by itself, so the result does not depend on the number of threads.
 SpringStates find_gaps(const SpringBed& bed, const Pose& source, const Pose& target);
 
+/// So many springs, all of whose numbers are zero.
+SpringStates empty_states(std::size_t n);
+
 /// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole
 /// or divided; `first`: its triangle that the ray meets; `end`, `own`: triangles from `end` on, and those that are not
 /// in `own`, unless it is empty, are no part of the contact. Never empty: where nothing but rounding is left, all on

@@ -151,7 +151,7 @@ struct Together {
 
   explicit Together(const std::vector<PosedBed>& all) : beds(all) {
     for (const PosedBed& b : beds) {
-      begin.push_back(begin.back() + b.bed->springs.size());
+      begin.push_back(begin.back() + b.bed->size());
       layer_of.push_back({index_of(b.bed->layers->source), index_of(b.bed->layers->target)});
       for (const PartOperator* part : parts_of(*b.bed))
         if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
@@ -197,7 +197,7 @@ Eigen::VectorXd motion_since(const PressMemory& memory, const Together& all) {
 /// much of their last change as the motion is of the last motion. `length`: of the surfaces, for turns.
 Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Eigen::VectorXd& motion, double length) {
   if (memory.pressure.size() == 0) return {};
-  if (!memory.rates.isZero(0)) return (memory.pressure + memory.rates * motion).cwiseMax(0.0);
+  if (!memory.rates.isZero(0)) return memory.pressure + memory.rates * motion;
   if (memory.change.size() == 0) return memory.pressure;
   double along = 0.0, all = 0.0;
   for (Eigen::Index k = 0; k < motion.size(); ++k) {
@@ -206,7 +206,7 @@ Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Eigen::
     all += weight * memory.motion[k] * memory.motion[k];
   }
   const double part = all > 0 ? std::clamp(along / all, 0.0, 2.0) : 0.0;
-  return (memory.nearly + part * memory.change).cwiseMax(0.0);
+  return memory.nearly + part * memory.change;
 }
 
 /// So many feet that stand on nothing.
@@ -223,7 +223,7 @@ std::vector<LayerFeet> feet_on_layers(const Together& all, const std::vector<Spr
   std::vector<LayerFeet> feet(all.layers.size());
   for (std::size_t b = 0; b < all.beds.size(); ++b) {
     const PosedBed& posed = all.beds[b];
-    const int n = posed.bed->springs.size();
+    const int n = posed.bed->size();
     for (std::size_t k = 0; k < feet.size(); ++k) {
       const int layer = static_cast<int>(k);
       if (posed.active && all.layer_of[b][0] == layer)
@@ -247,7 +247,7 @@ std::vector<PartFeet> feet_on_parts(const Together& all, const std::vector<Sprin
       if (posed.active) {
         add_feet(*posed.bed, states[b], posed.source, posed.target, *all.parts[k], feet[k]);
       } else {
-        feet[k].begin.resize(feet[k].begin.size() + at(posed.bed->springs.size()), feet[k].begin.back());
+        feet[k].begin.resize(feet[k].begin.size() + at(posed.bed->size()), feet[k].begin.back());
         for (auto* values : {&feet[k].area, &feet[k].scale}) values->resize(feet[k].begin.size() - 1, 0.0);
       }
     }
@@ -301,8 +301,10 @@ Eigen::MatrixXd overlap_rates(const Together& all, const LayerContact& contact, 
     for (int i = 0; i < s.size(); ++i) {
       const auto k = at(i);
       if (!result.active[at(first + i)]) continue;
-      const Vector3d per_motion = overlap_rate(*posed.bed, s, i, s.strain_target[k], posed.target);
-      s.per_motion[k] = s.per_overlap[k] * per_motion;
+      const bool tie = !posed.bed->ties.empty();
+      const Vector3d per_motion =
+          tie ? s.per_motion[k] : overlap_rate(*posed.bed, s, i, s.strain_target[k], posed.target);
+      if (!tie) s.per_motion[k] = s.per_overlap[k] * per_motion;
       rates.row(first + i).segment<6>(column) << per_motion.transpose(),
           (s.end[k] - posed.target.center).cross(per_motion).transpose();
     }
@@ -381,6 +383,10 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   LayerContact contact;
   contact.interface_compliance = beds.front().bed->pair.interface_compliance;
   contact.area = Eigen::VectorXd::Zero(all.springs());
+  if (std::any_of(beds.begin(), beds.end(), [](const PosedBed& b) { return !b.bed->ties.empty(); })) {
+    contact.own = Eigen::VectorXd::Zero(all.springs());
+    contact.two_sided.assign(at(all.springs()), 0);
+  }
   const std::vector<PartFeet> on_parts = feet_on_parts(all, states);
   Eigen::VectorXd overlap = Eigen::VectorXd::Zero(all.springs());  // signed, where no part had moved
   for (std::size_t k = 0; k < on_parts.size(); ++k) {
@@ -395,7 +401,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     for (int i = 0; i < states[b].size(); ++i) {
       double& here = overlap[all.begin[b] + i];
       here = states[b].area[at(i)] > 0 ? here - states[b].gap[at(i)] : 0.0;
-      deepest = std::max(deepest, here);
+      deepest = std::max(deepest, beds[b].bed->ties.empty() ? here : std::abs(here));
     }
   }
   if (!(deepest > 0)) {  // nothing presses parts that had moved: they come back, and may be met there
@@ -407,8 +413,13 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     const SpringStates& s = states[b];
     for (int i = 0; i < s.size(); ++i) {
       // nothing bulges by more than it is pressed in elsewhere
+      const bool tie = !beds[b].bed->ties.empty();
       double& here = overlap[all.begin[b] + i];
-      if (s.area[at(i)] > 0 && -here < deepest)
+      if (tie && s.area[at(i)] > 0) {
+        contact.own[all.begin[b] + i] = 1 / s.per_overlap[at(i)] - contact.interface_compliance;
+        contact.two_sided[at(all.begin[b] + i)] = 1;
+      }
+      if (s.area[at(i)] > 0 && (tie || -here < deepest))
         contact.area[all.begin[b] + i] = s.area[at(i)];
       else
         here = 0.0;
@@ -443,7 +454,9 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     states[b].complementarity = result.residual;
     states[b].complementary = result.converged;
     for (int i = 0; i < states[b].size(); ++i)
-      if (result.active[at(all.begin[b] + i)])
+      if (!beds[b].bed->ties.empty())
+        states[b].pressure[at(i)] = result.pressure[all.begin[b] + i];
+      else if (result.active[at(all.begin[b] + i)])
         set_spring(*beds[b].bed, all.layer_of[b], result, all.begin[b] + i, i, states[b]);
   }
   std::vector<std::vector<double>> flows(all.layers.size());  // of layers, when they are asked for
@@ -454,7 +467,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
       if (flows[layer].empty()) flows[layer] = edge_flow(*all.layers[layer], feet[layer], result.pressure);
       return flows[layer];
     };
-    if (beds[b].active) factors[b] = press_bulges(beds[b], flow, states[b]);
+    if (beds[b].active && beds[b].bed->ties.empty()) factors[b] = press_bulges(beds[b], flow, states[b]);
   }
   const Eigen::MatrixXd rates =
       pressure_rates(all, contact, result, overlap_rates(all, contact, result, states), options, memory);
@@ -469,7 +482,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   constexpr double kShare = 0.3;  // of what closes a foot's gap alone: its neighbours press too
   Eigen::VectorXd nearly = result.pressure, change;
   for (Eigen::Index i = 0; i < nearly.size(); ++i)
-    if (!(nearly[i] > 0)) nearly[i] = -kShare * result.apart[i];
+    if (!result.active[at(i)]) nearly[i] = -kShare * result.apart[i];
   if (motion.size() > 0) change = nearly - memory->nearly;
   remember(all, result.pressure, *memory);
   memory->rates = rates;

@@ -43,6 +43,7 @@ VectorXd own_compliance(const LayerContact& contact, bool tangent) {
                                     tangent && of.softening.size() > 0 ? &of.softening : nullptr);
   for (Index i = 0; i < own.size(); ++i)
     if (own[i] > 0) own[i] += contact.interface_compliance;
+  if (contact.own.size() > 0) own += contact.own;
   return own;
 }
 
@@ -57,6 +58,7 @@ MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
   MatrixXd w = std::move(of.front());
   for (std::size_t k = 1; k < of.size(); ++k) w += of[k];
   add_pairs(contact, pressure, w);
+  if (contact.own.size() > 0) w += contact.own.asDiagonal() * pressure;
   if (contact.interface_compliance > 0) w += contact.interface_compliance * pressure;
   return w;
 }
@@ -81,11 +83,15 @@ struct ScaledContact {
   VectorXd weight;  // 0: takes no part
   int applications = 0;
   double stride = 1.0;  // by which the near inverse leads too short
+  VectorXd least;       // per foot: the least pressure, 0 or none
 
   explicit ScaledContact(const LayerContact& c) : contact(c), local(local_compliance(c)) {
     for (const PartUnderFeet& of : contact.parts)
       for (Index i = 0; i < local.size(); ++i) local[i] += of.feet->scale[at(i)];
     weight = contact.area.cwiseProduct(local);
+    least = VectorXd::Zero(local.size());
+    for (std::size_t i = 0; i < contact.two_sided.size(); ++i)
+      if (contact.two_sided[i]) least[static_cast<Index>(i)] = -kInfinity;
     for (Index i = 0; i < local.size(); ++i)
       if (!(local[i] > 0)) local[i] = 1;
   }
@@ -114,8 +120,10 @@ struct ScaledContact {
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
   double worst = 0;
   for (Index i = 0; i < p.size(); ++i)
-    if (const double off = std::abs(std::min(p[i], z[i])); B.weight[i] > 0 && !(off <= worst)) worst = off;  // NaN, too
-  const double peak = p.size() > 0 ? p.maxCoeff() : 0.0;
+    if (const double off = std::abs(B.least[i] < 0 ? z[i] : std::min(p[i], z[i]));
+        B.weight[i] > 0 && !(off <= worst))
+      worst = off;  // NaN, too
+  const double peak = p.size() > 0 ? p.cwiseAbs().maxCoeff() : 0.0;
   return peak > 0 ? worst / peak : worst;
 }
 
@@ -133,7 +141,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
     end_if_stopped(options.stop);
     before = face;
     for (Index i = 0; i < n; ++i) {
-      face[at(i)] = B.weight[i] > 0 && (p[i] > 0 || z[i] < 0);
+      face[at(i)] = B.weight[i] > 0 && (p[i] > B.least[i] || z[i] < 0);
       free[i] = face[at(i)] ? z[i] : 0.0;
     }
     const VectorXd way = B.way(face, free).col(0);
@@ -142,15 +150,15 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
     else
       d = way;
     curvature = 0;
-    VectorXd step = (p - stride * d).cwiseMax(0.0) - p;  // the near inverse has the length, too
-    const bool led = B.dot(free, step) < 0, whole = led && (p.array() >= stride * d.array()).all();
-    if (!led) step = (p - 1 / B.largest() * free).cwiseMax(0.0) - p;
+    VectorXd step = (p - stride * d).cwiseMax(B.least) - p;  // the near inverse has the length, too
+    const bool led = B.dot(free, step) < 0, whole = led && ((p - stride * d).array() >= B.least.array()).all();
+    if (!led) step = (p - 1 / B.largest() * free).cwiseMax(B.least) - p;
     const VectorXd change = B.apply(step).col(0);
     const double bend = B.dot(step, change), fall = -B.dot(free, step);
     if (!(bend > 0) || !(fall > 0)) return;  // the step is nothing but rounding
     double length = fall / bend, most = kInfinity;
     for (Index i = 0; i < n; ++i)
-      if (step[i] < 0) most = std::min(most, -p[i] / step[i]);
+      if (step[i] < 0) most = std::min(most, (B.least[i] - p[i]) / step[i]);
     if (whole && length <= most) {
       Bd = -change / stride;
       curvature = bend / (stride * stride);
@@ -158,7 +166,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
     if (led) stride *= std::clamp(length, 0.5, 2.0);
     // half of what is best lowers the energy, and so does twice as much: feet that are to let go do
     length = whole || length < 0.5 ? std::min(length, most) : 1.0;
-    p = (p + length * step).cwiseMax(0.0);
+    p = (p + length * step).cwiseMax(B.least);
     z += length * change;
   }
 }
@@ -173,7 +181,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
   const Index n = overlap.size();
   assert(contact.area.size() == n && (start.size() == 0 || start.size() == n));
   LayerPressure result;
-  VectorXd p = (start.size() == n ? start : overlap.cwiseQuotient(B.local)).cwiseMax(0.0);
+  VectorXd p = (start.size() == n ? start : overlap.cwiseQuotient(B.local)).cwiseMax(B.least);
   for (Index i = 0; i < n; ++i)
     if (!(B.weight[i] > 0)) p[i] = 0;
   // w by (L9), and the softenings there
@@ -197,6 +205,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     for (const auto* all : {&result.sunk, &of_part})
       for (const VectorXd& of : *all) sunk += of;
     add_pairs(contact, p, sunk);
+    if (contact.own.size() > 0) sunk.col(0) += contact.own.cwiseProduct(p);
     const VectorXd z = (sunk.col(0) + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
     result.apart = z;
     const double before = result.residual;
@@ -217,7 +226,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     solve_bounded(B, p, z, goal, options);
   }
   result.active.resize(at(n));
-  for (Index i = 0; i < n; ++i) result.active[at(i)] = p[i] > 0;
+  for (Index i = 0; i < n; ++i) result.active[at(i)] = p[i] > B.least[i] && B.weight[i] > 0;
   result.pressure = std::move(p);
   result.applications = B.applications;
   return result;

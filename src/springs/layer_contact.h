@@ -36,6 +36,8 @@ struct LayerContact {
   std::vector<PartUnderFeet> parts;     ///< each once
   std::vector<FootPair> pairs;
   Eigen::VectorXd area;               ///< per foot: what carries its pressure [mm^2]; 0: takes no part
+  Eigen::VectorXd own;                ///< per foot: stated compliance of its own [mm/MPa]; empty: none
+  std::vector<char> two_sided;        ///< per foot: may pull and push; empty: none
   double interface_compliance = 0.0;  ///< gap per pressure of what lies between the surfaces (S9)
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "src/base/numbers.h"
@@ -128,7 +129,58 @@ std::vector<const PartOperator*> parts_of(const SpringBed& bed) {
   return parts;
 }
 
+SpringStates tie_states(const SpringBed& bed, const Pose& source, const Pose& target, const TieLaw& law) {
+  SpringStates s = empty_states(bed.ties.size());
+  double soft = 0.0;
+  for (const PartOperator* part : parts_of(bed)) soft = std::max(soft, part->softness);
+  const double least = 1e-9 * std::sqrt(bed.tie_area) / soft;  // slope of what has none: nothing beside the part's own
+  for (std::size_t k = 0; k < bed.ties.size(); ++k) {
+    const PartTie& tie = bed.ties[k];
+    s.foot[k] = source.center + source.rotation * (tie.source - bed.source_center);
+    s.end[k] = target.center + target.rotation * (tie.target - bed.target_center);
+    const Vector3d line = s.foot[k] - s.end[k];
+    const double length = line.norm();
+    const std::optional<Tension> t = length > 0 ? law(tie.ligament, length) : std::nullopt;
+    s.triangle[k] = t ? 0 : -1;
+    s.direction[k] = length > 0 ? Vector3d(line / length) : Vector3d(Vector3d::UnitZ());
+    s.normal[k] = -s.direction[k];
+    s.gap[k] = kInfinity;
+    if (!t) continue;
+    const double slope = std::max(t->slope, least);
+    s.area[k] = s.carrying[k] = bed.tie_area;
+    s.coverage[k] = 1.0;
+    s.gap[k] = -t->force / slope;
+    s.per_overlap[k] = slope / bed.tie_area;
+    s.per_motion[k] = -s.direction[k];
+  }
+  return s;
+}
+
+namespace {
+
+/// Each end that is a node of a part, where the part has moved.
+std::vector<PartTie> moved_ties(const SpringBed& bed, const PartMotions& moved) {
+  std::vector<PartTie> ties = bed.ties;
+  const auto move = [&](const BedLayer& of, int node, Vector3d& end) {
+    if (node < 0 || !of.part) return;
+    if (const auto motion = moved.find(of.part.get()); motion != moved.end())
+      end += motion->second.row(node).transpose();
+  };
+  for (PartTie& tie : ties) {
+    move(bed.layers->source, tie.source_node, tie.source);
+    move(bed.layers->target, tie.target_node, tie.target);
+  }
+  return ties;
+}
+
+}  // namespace
+
 SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved) {
+  if (!bed.ties.empty()) {
+    SpringBed there = bed;
+    there.ties = moved_ties(bed, moved);
+    return there;
+  }
   const std::vector<Vector3d> source =
       moved_vertices(bed.pair.source_layer().spring_surface(), bed.layers->source, moved);
   const std::vector<Vector3d> target =
@@ -143,6 +195,18 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
   const SurfaceMesh &from = bed.pair.source_layer().spring_surface(), &to = bed.target.mesh();
   for (int i = 0; i < s.size(); ++i) {
     const auto k = at(i);
+    if (!bed.ties.empty()) {  // pulls at a node, or at one of either side
+      const PartTie& tie = bed.ties[k];
+      for (const bool of_target : {false, true}) {
+        const int node = of_target ? tie.target_node : tie.source_node;
+        if (!(of_target ? on_target : on_source) || node < 0) continue;
+        feet.node.push_back(node);
+        feet.weight.push_back((of_target ? target : source).rotation.transpose() *
+                              ((of_target ? s.area[k] : -s.area[k]) * s.direction[k]));
+      }
+      end_foot(feet, s.area[k], part.softness);
+      continue;
+    }
     const double area = (on_source || on_target) && s.triangle[k] >= 0 ? s.area[k] : 0.0;
     if (on_source && area > 0) {
       const int t = bed.springs.surface_triangle[k];

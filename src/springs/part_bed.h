@@ -21,7 +21,12 @@ using PartMotions = std::map<const PartOperator*, Eigen::MatrixX3d>;
 /// A bed's parts, each once: of its source, of its target.
 std::vector<const PartOperator*> parts_of(const SpringBed& bed);
 
-/// The bed with the surfaces of its parts where these have moved.
+/// What the ties of a bed do at a pose, as springs: `direction` from the target's end to the source's, `gap` minus what
+/// would be their elongation if they were straight lines through their tension and slope here; overlaps and pressures
+/// are zero.
+SpringStates tie_states(const SpringBed& bed, const Pose& source, const Pose& target, const TieLaw& law);
+
+/// The bed with the surfaces and ties of its parts where these have moved.
 SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved);
 
 /// Appends a foot for each spring of a bed, with_parts_moved, to those on one of its parts; nothing where it does not

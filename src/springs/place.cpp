@@ -70,7 +70,9 @@ SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair) {
                 0.0,
                 target.max_thickness(),
                 0.0,
-                nullptr};
+                nullptr,
+                {},
+                0.0};
   for (const Layer& layer : pair.layers)
     if (layer.part >= 0) bed.part_depth += joint.parts[at(layer.part)].depth;
   place_target(bed);

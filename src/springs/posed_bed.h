@@ -1,6 +1,8 @@
 // src/springs/posed_bed.h – the layers of a contact as operators, and the contact at a pose: values.
 #pragma once
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "src/springs/layer_contact.h"
@@ -40,12 +42,16 @@ struct LayerBed {
   std::vector<char> ends;       ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
 };
 
+/// Tension of a ligament at a length; nothing: it does not act.
+using TieLaw = std::function<std::optional<Tension>(int ligament, double length)>;
+
 /// A contact with Law::Layer at a pose.
 struct PosedBed {
   const SpringBed* bed = nullptr;  ///< not owned
   Pose source, target;
   Motions motions = kAllMotions;  ///< whose rates are asked for
   bool active = true;             ///< false: it does not press
+  const TieLaw* law = nullptr;    ///< not owned; of a bed of ties
 };
 
 }  // namespace dea

@@ -33,7 +33,9 @@ void press_each(const SpringBed& bed, SpringStates& s, const Pose& target) {
 std::vector<SpringStates> gaps_of(const std::vector<PosedBed>& beds) {
   std::vector<SpringStates> states(beds.size());
   for (std::size_t b = 0; b < beds.size(); ++b)
-    if (beds[b].active) states[b] = find_gaps(*beds[b].bed, beds[b].source, beds[b].target);
+    if (beds[b].active)
+      states[b] = beds[b].bed->ties.empty() ? find_gaps(*beds[b].bed, beds[b].source, beds[b].target)
+                                            : tie_states(*beds[b].bed, beds[b].source, beds[b].target, *beds[b].law);
   return states;
 }
 

@@ -31,6 +31,19 @@ struct Springs {
   int size() const { return static_cast<int>(foot.size()); }
 };
 
+/// Tension of a line between two points, > 0 pulls, and how it grows with their distance.
+struct Tension {
+  double force = 0.0;
+  double slope = 0.0;
+};
+
+/// A ligament of which an end is a node of a part that nobody holds: it moves the part, and gives way with it.
+struct PartTie {
+  int ligament = -1;  ///< index into Joint::ligaments
+  Vector3d source = Vector3d::Zero(), target = Vector3d::Zero();  ///< its ends, in the bodies' reference frames
+  int source_node = -1, target_node = -1;                         ///< nodes of parts; -1: the end is the body's own
+};
+
 /// Everything needed again and again at new poses. A value: pressed by several callers at a time, it never changes.
 struct SpringBed {
   ContactPair pair;
@@ -43,6 +56,11 @@ struct SpringBed {
   double max_target_thickness = 0.0;
   double part_depth = 0.0;  ///< SoftPart::depth of both sides: so much deeper a foot may stand before it is too deep
   std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
+  /// Not empty: the bed is no contact but the ligaments between two bodies that parts have to do with. They have no
+  /// springs; each is one foot with this area, which stands for nothing: pressures are tensions per area.
+  std::vector<PartTie> ties;
+  double tie_area = 0.0;
+  int size() const { return ties.empty() ? springs.size() : static_cast<int>(ties.size()); }
 };
 
 /// A pair of bodies that small motions are told of: the target's relative to the source.

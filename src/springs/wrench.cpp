@@ -29,7 +29,7 @@ std::vector<ContactWrench::Cross> cross_derivatives(const SpringStates& s, const
   for (const CrossRates& other : s.cross) {
     all.push_back({other.bodies, Matrix12::Zero()});
     for (int i = 0; i < s.size(); ++i)
-      if (s.area[at(i)] > 0 && s.pressure[at(i)] > 0)
+      if (s.area[at(i)] > 0 && s.pressure[at(i)] != 0)
         all.back().derivative.noalias() +=
             rate_area(s, at(i)) * unit_wrench(s.foot[at(i)], s.direction[at(i)], source, target) *
             by_both_motions(other.rates, i, other.source_center, other.target_center).transpose();
@@ -84,6 +84,16 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   K.block<3, 3>(3, 0) += skew(F);
   K.block<3, 3>(3, 9) += -skew(M) + skew(F) * skew(Vector3d(target.center - source.center));
   K.block<3, 3>(9, 9) -= skew(M_s);
+  total.cross = cross_derivatives(s, source, target);
+  return total;
+}
+
+ContactWrench tie_rates(const SpringStates& s, const Pose& source, const Pose& target) {
+  ContactWrench total;
+  for (int i = 0; i < s.size(); ++i)
+    if (s.area[at(i)] > 0)
+      total.derivative.noalias() += s.area[at(i)] * unit_wrench(s.end[at(i)], s.direction[at(i)], source, target) *
+                                    by_both_motions(s.rates, i, source.center, target.center).transpose();
   total.cross = cross_derivatives(s, source, target);
   return total;
 }

@@ -22,6 +22,10 @@ struct ContactWrench {
 };
 ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
 
+/// Of ties: only how their tensions change with the bodies' motions, through what gives way; their own lines are
+/// body_forces.h's.
+ContactWrench tie_rates(const SpringStates& states, const Pose& source, const Pose& target);
+
 /// A unit force along n at x on the target, and its opposite on the source; also how a length along n at x changes with
 /// small motions of both.
 inline Vector12 unit_wrench(const Vector3d& x, const Vector3d& n, const Pose& source, const Pose& target) {
