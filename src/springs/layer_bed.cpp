@@ -378,7 +378,7 @@ void remember(const Together& all, const Eigen::VectorXd& pressure, PressMemory&
 }  // namespace
 
 bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
-                  PressMemory* memory, PartMotions& moved) {
+                  PressMemory* memory, PartMotions& moved, double& misfit) {
   const Together all(beds);
   LayerContact contact;
   contact.interface_compliance = beds.front().bed->pair.interface_compliance;
@@ -442,6 +442,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   constexpr double kFits = 10.0;  // of the tolerance: the same pressures on gaps that were found anew
   if (!all.parts.empty()) search.part_of_first = 0.03;
   const LayerPressure result = solve_contact(contact, overlap, start, search);
+  misfit = result.first_residual;
   const bool fits = start.size() > 0 && result.first_residual <= kFits * search.tolerance;
   if (!all.parts.empty() && !fits) {
     for (std::size_t k = 0; k < on_parts.size(); ++k)

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "src/base/decompositions.h"
 #include "src/base/numbers.h"
@@ -83,6 +85,7 @@ struct ScaledContact {
   VectorXd weight;  // 0: takes no part
   int applications = 0;
   double stride = 1.0;  // by which the near inverse leads too short
+  MatrixXd soft;        // pressures that move parts along their softest motions: the largest eigenvalues are theirs
   VectorXd least;       // per foot: the least pressure, 0 or none
 
   explicit ScaledContact(const LayerContact& c) : contact(c), local(local_compliance(c)) {
@@ -94,6 +97,12 @@ struct ScaledContact {
       if (contact.two_sided[i]) least[static_cast<Index>(i)] = -kInfinity;
     for (Index i = 0; i < local.size(); ++i)
       if (!(local[i] > 0)) local[i] = 1;
+    soft.resize(local.size(), 0);
+    for (const PartUnderFeet& of : contact.parts) {
+      const MatrixXd more = local.cwiseInverse().asDiagonal() * soft_motions(*of.part, *of.feet);
+      soft.conservativeResize(Eigen::NoChange, soft.cols() + more.cols());
+      soft.rightCols(more.cols()) = more;
+    }
   }
   /// Where a residual asks pressures to go, of feet that are `asked`.
   MatrixXd way(const std::vector<char>& asked, const MatrixXd& residual) const {
@@ -117,6 +126,33 @@ struct ScaledContact {
   }
 };
 
+/// Parts hang on little, and what pushes them whole moves them far: eigenvalues of B along their soft motions are as
+/// large as all others are small. Conjugate gradients that know these ways need no steps for them: each way is made
+/// conjugate to all of them, and what the residual has along them is taken away at once (deflation; Saad, Yeung, Erhel
+/// and Guyomarc'h 2000, SIAM J Sci Comput 21:1909).
+class Deflation {
+ public:
+  /// `known`: masked ways, zero at feet that are not asked; `seen`: what B makes of them, masked.
+  Deflation(const ScaledContact& B, MatrixXd known, MatrixXd seen)
+      : B_(B), known_(std::move(known)), seen_(std::move(seen)) {
+    energy_ = known_.transpose() * B_.weight.asDiagonal() * seen_;
+  }
+  /// The part of the solution for a residual that lies along the known ways: their shares.
+  MatrixXd shares(const MatrixXd& residual) const {
+    return solve_least_norm(energy_, known_.transpose() * B_.weight.asDiagonal() * residual);
+  }
+  const MatrixXd& known() const { return known_; }
+  const MatrixXd& seen() const { return seen_; }
+  /// The way, made conjugate to all that is known.
+  void conjugate(MatrixXd& way) const {
+    way -= known_ * solve_least_norm(energy_, seen_.transpose() * B_.weight.asDiagonal() * way);
+  }
+
+ private:
+  const ScaledContact& B_;
+  MatrixXd known_, seen_, energy_;
+};
+
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
   double worst = 0;
   for (Index i = 0; i < p.size(); ++i)
@@ -135,6 +171,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
   const Index n = p.size();
   std::vector<char> face(at(static_cast<int>(n)), 0), before;
   VectorXd free = VectorXd::Zero(n), d, Bd;
+  std::optional<Deflation> soft;  // on the face
   double curvature = 0;  // of d; 0: there is none to be conjugate to
   double& stride = B.stride;
   while (!(complementarity(B, p, z) <= goal) && B.applications < options.max_applications) {
@@ -144,7 +181,23 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
       face[at(i)] = B.weight[i] > 0 && (p[i] > B.least[i] || z[i] < 0);
       free[i] = face[at(i)] ? z[i] : 0.0;
     }
-    const VectorXd way = B.way(face, free).col(0);
+    if (B.soft.cols() > 0 && (!soft || face != before)) {
+      MatrixXd known = B.soft;
+      const auto mask = [&](MatrixXd& m) {
+        for (Index i = 0; i < n; ++i)
+          if (!face[at(i)]) m.row(i).setZero();
+      };
+      mask(known);
+      MatrixXd seen = B.apply(known);
+      mask(seen);
+      soft.emplace(B, std::move(known), std::move(seen));
+    }
+    MatrixXd ahead = B.way(face, free);
+    if (soft) {
+      soft->conjugate(ahead);
+      ahead += soft->known() * soft->shares(free);
+    }
+    const VectorXd way = ahead.col(0);
     if (curvature > 0 && face == before)
       d = way - B.dot(way, Bd) / curvature * d;
     else
@@ -254,24 +307,26 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   measure();
   goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
-  MatrixXd known, seen, energy;  // where it starts, what B makes of it, and their product
-  if (start.size() > 0) {
-    assert(start.rows() == r.rows() && start.cols() == columns);
+  std::optional<Deflation> known;  // where it starts, and parts' soft motions
+  if (start.size() > 0 || B.soft.cols() > 0) {
+    assert(start.size() == 0 || (start.rows() == r.rows() && start.cols() == columns));
     // the best that can be made of them, columns mixed: it leaves nothing of the residual along them, nor do later
-    // steps (Saad, Yeung, Erhel and Guyomarc'h 2000, SIAM J Sci Comput 21:1909)
-    known = start;
-    mask(known);
-    seen = B.apply(known);
+    // steps
+    MatrixXd ways(r.rows(), start.cols() + B.soft.cols());
+    if (start.size() > 0) ways.leftCols(start.cols()) = start;
+    ways.rightCols(B.soft.cols()) = B.soft;
+    mask(ways);
+    MatrixXd seen = B.apply(ways);
     mask(seen);
-    energy = known.transpose() * B.weight.asDiagonal() * seen;
-    const MatrixXd share = solve_least_norm(energy, known.transpose() * B.weight.asDiagonal() * r);
-    result.pressure = known * share;
-    r -= seen * share;
+    known.emplace(B, std::move(ways), std::move(seen));
+    const MatrixXd share = known->shares(r);
+    result.pressure = known->known() * share;
+    r -= known->seen() * share;
     measure();
   }
   const auto way_on = [&]() -> MatrixXd {
     MatrixXd way = B.way(asked, r);
-    if (start.size() > 0) way -= known * solve_least_norm(energy, seen.transpose() * B.weight.asDiagonal() * way);
+    if (known) known->conjugate(way);
     return way;
   };
   MatrixXd way = way_on(), d = way;

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -186,7 +187,10 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int n
 
 }  // namespace
 
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
+namespace {
+
+/// Without its soft motions.
+PartOperator stiff_part(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
   PartOperator part;
   part.mesh = std::move(mesh);
   part.hold = std::move(hold);
@@ -254,6 +258,8 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const
   return part;
 }
 
+}  // namespace
+
 void set_reach(PartFeet& feet, const PartOperator& part) {
   std::vector<int> unknowns;
   for (const int node : feet.node)
@@ -312,6 +318,15 @@ MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd&
   return w;
 }
 
+MatrixXd soft_motions(const PartOperator& part, const PartFeet& feet) {
+  MatrixXd w = MatrixXd::Zero(feet.size(), static_cast<Index>(part.soft.size()));
+  for (int i = 0; i < feet.size(); ++i)
+    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1] && feet.area[at(i)] > 0; ++j)
+      for (Index c = 0; c < w.cols(); ++c)
+        w(i, c) += feet.weight[at(j)].dot(part.soft[at(c)].row(feet.node[at(j)]).transpose()) / feet.area[at(i)];
+  return w;
+}
+
 Eigen::MatrixX3d nodal_forces(const PartOperator& part, const PartFeet& feet, const VectorXd& pressure) {
   Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(part.mesh.size(), 3);
   for (int i = 0; i < feet.size(); ++i)
@@ -359,6 +374,41 @@ Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen
     if (part.hold[at(i)] == PartHold::Other)
       on += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.row(i).transpose();
   return on;
+}
+
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
+  PartOperator part = stiff_part(std::move(mesh), std::move(hold), other_center);
+  // A few rounds of inverse iteration, from the nodes' places and their products: close enough to lead a search.
+  constexpr int kMotions = 12, kRounds = 3;
+  const int n = part.mesh.size();
+  Vector3d middle = Vector3d::Zero(), size = Vector3d::Constant(1e-300);
+  for (const Vector3d& x : part.mesh.nodes) middle += x / n;
+  for (const Vector3d& x : part.mesh.nodes) size = size.cwiseMax((x - middle).cwiseAbs());
+  for (int m = 0; m < kMotions; ++m) {
+    Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(n, 3);
+    for (int i = 0; i < n; ++i) {
+      const Vector3d x = (part.mesh.nodes[at(i)] - middle).cwiseQuotient(size);
+      const double by[4] = {1.0, x[0], x[1], x[2]};
+      force(i, m % 3) = part.volume[at(i)] * by[m / 3];
+    }
+    part.soft.push_back(std::move(force));
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    for (Eigen::MatrixX3d& motion : part.soft) motion = displacements(part, motion);
+    for (int m = 0; m < kMotions; ++m) {  // each without those before it, by volume
+      const auto inner = [&](int a, int b) {
+        double sum = 0.0;
+        for (int i = 0; i < n; ++i) sum += part.volume[at(i)] * part.soft[at(a)].row(i).dot(part.soft[at(b)].row(i));
+        return sum;
+      };
+      for (int before = 0; before < m; ++before) part.soft[at(m)] -= inner(m, before) * part.soft[at(before)];
+      part.soft[at(m)] /= std::sqrt(std::max(1e-300, inner(m, m)));
+    }
+    if (round + 1 == kRounds) break;
+    for (Eigen::MatrixX3d& motion : part.soft)
+      for (int i = 0; i < n; ++i) motion.row(i) *= part.volume[at(i)];
+  }
+  return part;
 }
 
 }  // namespace dea

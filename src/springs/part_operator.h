@@ -31,6 +31,9 @@ struct PartOperator {
   SparseFactor factor;          ///< of K over the unknowns
   std::vector<double> volume;   ///< per node: its share of the elements'
   double softness = 0.0;        ///< strain per stress along its stiffest axis, of its softest element [1/MPa]
+  /// Its softest motions, in no unit: pressures along them move it most, and a search for pressures treats them by
+  /// themselves. Each nodes x 3.
+  std::vector<Eigen::MatrixX3d> soft;
   bool free = false;            ///< nothing holds it
   Vector3d center = Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
   Eigen::MatrixXd Z;                   ///< free: unknowns x 6
@@ -56,6 +59,9 @@ void set_reach(PartFeet& feet, const PartOperator& part);
 
 /// w per foot [mm], along its force, per pressure [MPa]; both feet x columns. A_i w_i = N_i^T u: symmetric, not negative.
 Eigen::MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
+
+/// Per foot and soft motion: how far it goes along its force, N_i^T u / A_i.
+Eigen::MatrixXd soft_motions(const PartOperator& part, const PartFeet& feet);
 
 /// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame. `other`: the second
 /// holder's motion: translation of `center`, rotation.

@@ -55,6 +55,7 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
     for (std::size_t k = 0; k < parts.size(); ++k) moved[parts[k]] = memory->part_motion[k];
   std::vector<SpringStates> states;
   bool fits = false;
+  double share = 1.0, last = kInfinity;
   for (int round = 0; !fits && round < kMostRounds; ++round) {
     std::vector<SpringBed> there;
     there.reserve(beds.size());
@@ -65,7 +66,15 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
       p.bed = &there.back();
     }
     states = gaps_of(posed);
-    fits = press_layers(posed, states, options, memory, moved);
+    const PartMotions before = moved;
+    double misfit = 0.0;
+    fits = press_layers(posed, states, options, memory, moved, misfit);
+    if (fits || parts.empty()) break;
+    // what lies opposite changes on the way: where gaps fit worse than a round before, the parts go less far at once
+    share = misfit > last ? std::max(0.1, 0.5 * share) : std::min(1.0, 1.5 * share);
+    last = misfit;
+    for (auto& [part, motion] : moved)
+      if (const auto old = before.find(part); old != before.end()) motion = old->second + share * (motion - old->second);
   }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active || parts.empty()) continue;
