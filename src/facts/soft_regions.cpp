@@ -1,6 +1,7 @@
 #include "src/facts/soft_regions.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -8,6 +9,8 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
+#include "src/geometry/thickness.h"
+#include "src/model/element_faces.h"
 
 namespace dea {
 
@@ -51,6 +54,73 @@ std::set<int> regions_in_contact(const JointModel& model, const std::vector<int>
   return in_contact;
 }
 
+/// Does the user say of a surface on the region what only a layer has?
+bool layers_said(const JointModel& model, const Settings& settings, const std::vector<int>& region, int root) {
+  const auto on_region = [&](const std::string& name) {
+    return std::any_of(model.surfaces.begin(), model.surfaces.end(), [&](const Surface& s) {
+      return s.name == name && !s.nodes.empty() && region[at(s.nodes.front())] == root;
+    });
+  };
+  const auto any_of = [&](const auto& values) {
+    return std::any_of(values.begin(), values.end(),
+                       [&](const auto& entry) { return entry.first.empty() || on_region(entry.first); });
+  };
+  return any_of(settings.thickness) || any_of(settings.thickness_from) || any_of(settings.bone);
+}
+
+/// The facets of contacts that lie on the region.
+SurfaceMesh pressed_facets(const JointModel& model, const std::vector<int>& region, int root) {
+  FacetList facets;
+  std::set<std::vector<int>> known;
+  for (const Contact& c : model.contacts)
+    for (const int surface : {c.primary, c.secondary}) {
+      if (c.kind != Contact::Kind::Sliding || surface < 0) continue;
+      const Surface& s = model.surfaces[at(surface)];
+      for (int f = 0; f < s.size(); ++f)
+        if (const std::vector<int> facet = s.facet(f); region[at(facet.front())] == root && known.insert(facet).second)
+          facets.add(facet);
+    }
+  return make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+}
+
+/// How much of what contacts press of a region has a face behind it that is held with all its nodes, seen along the
+/// normals: a layer of cartilage all of it. 1 where no face is held so: that is no hint.
+double bone_behind(const JointModel& model, const std::vector<char>& rigid, const std::vector<int>& region, int root,
+                   const Holders& holders) {
+  std::map<FaceKey, std::vector<int>> held;  // faces of one element alone
+  std::set<FaceKey> inner;
+  for (const Domain& d : model.domains) {
+    if (d.material < 0 || rigid[at(d.material)] || is_shell(d.shape) || is_line(d.shape)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      if (region[at(nodes[0])] != root) continue;
+      for (const std::vector<int>& local : element_faces(d.shape)) {
+        std::vector<int> face;
+        for (const int k : local) face.push_back(nodes[k]);
+        if (!std::all_of(face.begin(), face.end(), [&](int node) { return !holders.of_node[at(node)].empty(); }))
+          continue;
+        const FaceKey key = face_key(face);
+        std::reverse(face.begin(), face.end());  // out of the bone
+        if (!held.emplace(key, face).second) inner.insert(key);
+      }
+    }
+  }
+  FacetList bone;
+  for (auto& [key, face] : held)
+    if (inner.count(key) == 0) bone.add({face.end() - facet_corners(static_cast<int>(face.size())), face.end()});
+  const SurfaceMesh pressed = pressed_facets(model, region, root),
+                    behind = make_surface_mesh(bone.begin, bone.nodes, model.nodes);
+  if (pressed.size() == 0 || behind.size() == 0) return 1.0;
+  const MeasuredThickness measured = measure_thickness(pressed, behind);
+  double seen = 0.0, all = 0.0;
+  for (std::size_t v = 0; v < measured.missed.size(); ++v) {
+    all += pressed.vertex_areas[v];
+    if (!measured.missed[v]) seen += pressed.vertex_areas[v];
+  }
+  return seen / all;
+}
+
 void check_names(const JointModel& model, const Settings& settings, const std::vector<char>& rigid) {
   for (const std::string& name : settings.part) {
     std::vector<std::string> names;
@@ -85,7 +155,9 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
       return holders.held_components[at(node)] != 0;
     });
     const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && in_contact.count(root) > 0;
-    if (!named && !alone) continue;
+    const bool hangs = !named && holds && in_contact.count(root) > 0 && !layers_said(model, settings, region, root) &&
+                       bone_behind(model, rigid, region, root, holders) < 0.5;
+    if (!named && !alone && !hangs) continue;
     if (holds) {
       soft.body = held->second.begin()->first;
       if (held->second.size() > 1) soft.other = std::next(held->second.begin())->first;
@@ -103,7 +175,7 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
       soft.body = bodies.ground();
       bodies.bodies.insert(bodies.bodies.end() - 1, std::move(own));
     }
-    soft.why = named ? "named by the user" : "in contact, and nothing holds it";
+    soft.form = named ? 0 : alone ? 1 : 2;
     found.push_back(std::move(soft));
   }
   return found;

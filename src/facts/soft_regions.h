@@ -17,10 +17,11 @@ struct SoftRegion {
   int body = -1;               ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
   int other = -1;              ///< a second body that holds it, -1: none
   bool free = false;           ///< nothing holds it
-  std::string why;             ///< how it was told, as a sentence
+  int form = 0;                ///< how it was told: of the rule `part-recognised`
 };
 
-/// Named by the user, or in a sliding contact and held by nothing at all. Bodies of those that are free are put before
+/// Named by the user; or in a sliding contact and held by nothing at all; or held by nodes that lie behind less than half
+/// of what contacts press of it, as a meniscus is by its horns: no layer on a bone. Bodies of those that are free are put before
 /// the ground: then `holders` must be found anew. Throws UsageError for a name that is no deformable material.
 std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Settings& settings,
                                           const std::vector<char>& rigid, const std::vector<int>& region,

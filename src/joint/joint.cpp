@@ -121,6 +121,19 @@ Findings joined_bodies(const JointModel& model, const Bodies& bodies, const Bodi
   return findings;
 }
 
+/// What a region was taken for.
+Finding part_finding(const ModelParts& parts, std::size_t region, const SoftPart& part) {
+  const SoftRegion& soft = parts.soft[region];
+  return {"part-recognised",
+          {.body = soft.free ? "" : parts.bodies.bodies[at(soft.body)].name},
+          {{"part", part.name},
+           {"elements", part.mesh.elements()},
+           {"nodes", part.mesh.size()},
+           {"give", NamedSetting{"part", "", part.name}},
+           {"rigid", NamedSetting{"rigid", "", part.name}}},
+          soft.form};
+}
+
 /// Per node, the body that carries it: of its rigid elements, of what holds its layer, of its rigid node set.
 std::vector<int> find_carriers(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
   const JointModel& model = parts.model;
@@ -454,6 +467,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.contacts = std::move(contacts.contacts);
   try {
     joint.parts = make_parts(parts);
+    for (std::size_t k = 0; k < joint.parts.size(); ++k) add_once(joint.findings, {part_finding(parts, k, joint.parts[k])});
     joint.shared_layers = find_shared_layers(parts, joint.contacts, joint.findings);
   } catch (const InputError& error) {
     found.faults = {error.fault};

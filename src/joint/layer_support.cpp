@@ -149,7 +149,7 @@ Attachment find_attachment(const ContactSide& in, const Support& support) {
     if (support.regions.size() > 1)
       throw refusal_of(in, say("lies on part \"{}\" and on others;", in.parts.soft[at(soft)].name),
                        "split it into one surface per part");
-    return {in.parts.soft[at(soft)].body, fmt::format("is a surface of part \"{}\"", in.parts.soft[at(soft)].name)};
+    return {in.parts.soft[at(soft)].body, fmt::format("is a surface of the part \"{}\"", in.parts.soft[at(soft)].name)};
   }
   std::map<int, std::string> holders;
   for (int region : support.regions) {

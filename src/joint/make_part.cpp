@@ -31,8 +31,18 @@ void for_each_element(const ModelParts& parts, int region, const Use& use) {
   }
 }
 
+/// Two bodies hold it: how it joins them is not known here.
+InputError held_by_two(const ModelParts& parts, const SoftRegion& soft) {
+  const std::vector<Body>& bodies = parts.bodies.bodies;
+  return fault_at(parts.model, {0, 0},
+                    say("part \"{}\" is held by two bodies, \"{}\" and \"{}\", which is not modelled;", soft.name,
+                        bodies[at(soft.body)].name, bodies[at(soft.other)].name),
+                    "hold its nodes by one of them, or fasten it to the other with springs");
+}
+
 SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   const JointModel& model = parts.model;
+  if (soft.other >= 0) throw held_by_two(parts, soft);
   SoftPart part;
   part.name = soft.name;
   part.body = soft.body;

@@ -444,6 +444,16 @@ std::vector<Rule> all_rules() {
            {{N, "rigid node set \"{set}\" is given for step {step} only; it is taken to hold its nodes in all steps"}}),
       told("taken-as-rigid", "Nothing: you asked for it.",
            {{N, "material \"{material}\" is taken as rigid ({given})"}}),
+      told("part-recognised",
+           "Nothing, if it is a meniscus, a disc or a labrum. Take it as rigid, or give its surface a bone or a thickness, "
+           "if it is not.",
+           {{N, "part \"{part}\" gives way as its {elements} elements do ({give})"},
+            {N,
+             "\"{part}\" is a part of its own, for contacts press it and nothing holds it: it gives way as its {elements} "
+             "elements do; {rigid} takes it as rigid"},
+            {N,
+             "\"{part}\" is a part on body \"{body}\" and no layer, for behind most of what contacts press of it there "
+             "is no bone: it gives way as its {elements} elements do; {rigid} takes it as rigid"}}),
       told("center-of-mass-left-out", "Give the centre of mass of the body's first material.",
            {{N,
              "material \"{material}\": its centre of mass {x:.4g},{y:.4g},{z:.4g} is left out, as in FEBio: it shares "

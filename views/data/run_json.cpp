@@ -104,6 +104,7 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
                      {"rms", json_number(side.sphere.rms)}};
   j["thickness_scale"] = json_number(layer.thickness_scale);  // part of the thicknesses above
   j["thickness_from"] = json_word(layer.thickness_from);
+  j["part"] = layer.part < 0 ? Json(nullptr) : Json(check.joint.parts[at(layer.part)].name);
   return j;
 }
 

@@ -86,7 +86,12 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
                                  surface.size(), number_text(side.area), area);
   text += fmt::format("      body {}: {}\n", shown(check.joint.bodies[at(layer.body)].name),
                       message_line(layer.attached_by));
-  if (layer.rigid) {
+  if (layer.part >= 0) {
+    const SoftPart& part = check.joint.parts[at(layer.part)];
+    text += fmt::format("      part {}: {} elements, {} nodes, {} of them held\n", in_quotes(part.name),
+                        part.mesh.elements(), part.mesh.size(),
+                        part.mesh.size() - std::count(part.holder.begin(), part.holder.end(), -1));
+  } else if (layer.rigid) {
     text += "      bare rigid surface, no cartilage\n";
   } else {
     const Elasticity& e = layer.elasticity;
