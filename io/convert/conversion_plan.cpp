@@ -61,6 +61,12 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }
+  if (!plan.joint.parts.empty())
+    throw fault_at(model, {0, 0},
+                   say("part \"{}\" gives way as its elements do, which a contact of type dea cannot;",
+                       plan.joint.parts.front().name),
+                   say("solve it with dea run, or take it as rigid with {}",
+                       NamedSetting{"rigid", "", plan.joint.parts.front().name}));
   if (!any) throw nothing_to_convert(model, model.contacts[at(plan.joint.contacts.front().contact)]);
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const Contact& c = model.contacts[i];

@@ -163,6 +163,10 @@ struct NoiseBound {
   }
 };
 
+/// Of the largest stiffness: nothing. Where parts are, what presses them is known to some digits, so that their
+/// surfaces stand a little askew: that resists no more than this, and pushes no more than kTilted of the load.
+constexpr double kRounding = 1e-10, kTilt = 1e-7, kTilted = 1e-5;
+
 /// Whether nothing but the facets' roughness resists a direction (E6), and how rough they are along it.
 struct FlatTest {
   const Problem& problem;
@@ -173,7 +177,7 @@ struct FlatTest {
 
   /// Nothing: the direction is stiff. `largest`: of the singular values, or a bound of it from above.
   std::optional<FacetNoise> operator()(double sigma, double largest, const VectorXd& v) {
-    const bool nothing = sigma <= 1e-10 * largest || largest == 0.0;
+    const bool nothing = sigma <= (problem.joint.parts.empty() ? kRounding : kTilt) * largest || largest == 0.0;
     if (sigma >= 0.1 * largest && !nothing) return std::nullopt;
     if (!nothing && unknowns > 12) {
       if (!bound) bound.emplace(problem, e);
@@ -210,7 +214,7 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
     const double along = v.dot(r);
     const double most = std::min(test.patience * noise->force,
                                  std::sqrt(std::max(0.0, kMostLeft * e.load * kMostLeft * e.load - left)));
-    if (std::abs(along) <= std::max(1e-7 * e.load, most)) {
+    if (std::abs(along) <= std::max((problem.joint.parts.empty() ? 1e-7 : kTilted) * e.load, most)) {
       left += along * along;
       d.held.push_back(v);
       s.lost.col(lost) = apart_from(s.lost.leftCols(lost), moment_of(problem, e, u), u);

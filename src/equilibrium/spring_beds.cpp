@@ -121,9 +121,20 @@ std::vector<SpringBed> tie_beds(const Joint& joint, const std::vector<SpringBed>
       auto layers = std::make_shared<LayerBed>();
       layers->source.part = a.part;
       layers->target.part = b.part;
-      SpringBed made{{}, source, target, joint.bodies[at(source)].center_of_mass,
-                     joint.bodies[at(target)].center_of_mass, {}, RayCaster(SurfaceMesh{}), {}, 0.0, 0.0, 0.0, layers,
-                     {}, 0.1 * area};
+      SpringBed made{{},
+                     source,
+                     target,
+                     joint.bodies[at(source)].center_of_mass,
+                     joint.bodies[at(target)].center_of_mass,
+                     {},
+                     RayCaster(SurfaceMesh{}),
+                     {},
+                     0.0,
+                     0.0,
+                     0.0,
+                     layers,
+                     {},
+                     0.1 * area};
       ties.push_back(std::move(made));
       bed = ties.end() - 1;
     }
@@ -183,8 +194,8 @@ std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vecto
     const SpringBed& bed = beds.beds[at(c)];
     posed.push_back({&bed, poses[at(bed.source_body)], poses[at(bed.target_body)], motions[at(c)], active[at(c)] != 0});
   }
-  const std::vector<int>& ties = beds.group_ties[at(std::find(beds.groups.begin(), beds.groups.end(), group) -
-                                                    beds.groups.begin())];
+  const std::vector<int>& ties =
+      beds.group_ties[at(std::find(beds.groups.begin(), beds.groups.end(), group) - beds.groups.begin())];
   for (const int t : ties) {
     const SpringBed& bed = beds.ties[at(t)];
     const Pose &source = poses[at(bed.source_body)], &target = poses[at(bed.target_body)];
@@ -193,7 +204,7 @@ std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vecto
   std::vector<PressedContact> pressed;
   for (SpringStates& springs : press_together(posed, options, memory)) {
     const PosedBed& of = posed[pressed.size()];
-    const ContactWrench wrench = !of.active            ? ContactWrench{}
+    const ContactWrench wrench = !of.active              ? ContactWrench{}
                                  : !of.bed->ties.empty() ? tie_rates(springs, of.source, of.target)
                                                          : contact_wrench(springs, of.source, of.target);
     pressed.push_back({std::move(springs), wrench});

@@ -44,8 +44,8 @@ struct PressedContact {
 };
 /// All contacts of a group. `poses`: one per body of the joint. `motions`, `active`: per contact of the joint.
 /// `options.motions` is not read. `memory`: as in press_springs. One result per contact of the group; empty states
-/// where the contact is not active. `law`: of the ligaments; those of the group's ties come behind the contacts, without
-/// a wrench (tie_rates); empty: they do not act.
+/// where the contact is not active. `law`: of the ligaments; those of the group's ties come behind the contacts,
+/// without a wrench (tie_rates); empty: they do not act.
 std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vector<int>& group,
                                         const std::vector<Pose>& poses, const std::vector<Motions>& motions,
                                         const std::vector<char>& active, const PressOptions& options = {},

@@ -35,8 +35,8 @@ struct ModelParts {
   std::vector<int> moved;  ///< per node: body of nodes that are moved together, -1: none
   Holders holders;
   std::vector<SoftRegion> soft;  ///< deformable regions that are no layers
-  Findings findings;          ///< what was concluded
-  std::vector<Fault> faults;  ///< nodes that are moved otherwise than a bone can be
+  Findings findings;             ///< what was concluded
+  std::vector<Fault> faults;     ///< nodes that are moved otherwise than a bone can be
 };
 
 /// Throws UsageError for a material to be taken as rigid that is none.

@@ -43,15 +43,16 @@ std::map<int, Elements> elements_by_region(const JointModel& model, const std::v
   return regions;
 }
 
-std::set<int> regions_in_contact(const JointModel& model, const std::vector<int>& region) {
-  std::set<int> in_contact;
+/// Per region, its surfaces that sliding contacts press.
+std::map<int, std::set<int>> surfaces_in_contact(const JointModel& model, const std::vector<int>& region) {
+  std::map<int, std::set<int>> surfaces;
   for (const Contact& c : model.contacts)
     if (c.kind == Contact::Kind::Sliding)
       for (const int surface : {c.primary, c.secondary})
         if (surface >= 0)
-          for (const int node : model.surfaces[at(surface)].nodes) in_contact.insert(region[at(node)]);
-  in_contact.erase(-1);
-  return in_contact;
+          for (const int node : model.surfaces[at(surface)].nodes)
+            if (region[at(node)] >= 0) surfaces[region[at(node)]].insert(surface);
+  return surfaces;
 }
 
 /// Does the user say of a surface on the region what only a layer has?
@@ -127,8 +128,8 @@ void check_names(const JointModel& model, const Settings& settings, const std::v
     for (std::size_t m = 0; m < model.materials.size(); ++m)
       if (!rigid[m]) names.push_back(model.materials[m].name);
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw UsageError(Fault{.given = NamedSetting{"part", "", name},
-                             .found = no_such_name("deformable material", name, names)});
+      throw UsageError(
+          Fault{.given = NamedSetting{"part", "", name}, .found = no_such_name("deformable material", name, names)});
   }
 }
 
@@ -138,7 +139,7 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
                                           const std::vector<char>& rigid, const std::vector<int>& region,
                                           const Holders& holders, Bodies& bodies) {
   check_names(model, settings, rigid);
-  const std::set<int> in_contact = regions_in_contact(model, region);
+  std::map<int, std::set<int>> in_contact = surfaces_in_contact(model, region);
   std::vector<SoftRegion> found;
   for (const auto& [root, of] : elements_by_region(model, rigid, region)) {
     SoftRegion soft;
@@ -151,11 +152,10 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
     });
     const auto held = holders.of_region.find(root);
     const bool holds = held != holders.of_region.end() && !held->second.empty();
-    const bool in_components = std::any_of(of.nodes.begin(), of.nodes.end(), [&](int node) {
-      return holders.held_components[at(node)] != 0;
-    });
-    const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && in_contact.count(root) > 0;
-    const bool hangs = !named && holds && in_contact.count(root) > 0 && !layers_said(model, settings, region, root) &&
+    const bool in_components =
+        std::any_of(of.nodes.begin(), of.nodes.end(), [&](int node) { return holders.held_components[at(node)] != 0; });
+    const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && in_contact[root].size() > 1;
+    const bool hangs = !named && holds && in_contact[root].size() > 1 && !layers_said(model, settings, region, root) &&
                        bone_behind(model, rigid, region, root, holders) < 0.5;
     if (!named && !alone && !hangs) continue;
     if (holds) {

@@ -1,4 +1,5 @@
-// src/facts/soft_regions.h – which deformable regions are parts of their own (menisci, discs, labra), no layers on bone.
+// src/facts/soft_regions.h – which deformable regions are parts of their own (menisci, discs, labra), no layers on
+// bone.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,17 +13,18 @@ namespace dea {
 
 /// A deformable region that gives way as its elements do.
 struct SoftRegion {
-  int region = -1;             ///< its root node
-  std::string name;            ///< of the material most of its elements have
-  int body = -1;               ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
-  int other = -1;              ///< a second body that holds it, -1: none
-  bool free = false;           ///< nothing holds it
-  int form = 0;                ///< how it was told: of the rule `part-recognised`
+  int region = -1;    ///< its root node
+  std::string name;   ///< of the material most of its elements have
+  int body = -1;      ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
+  int other = -1;     ///< a second body that holds it, -1: none
+  bool free = false;  ///< nothing holds it
+  int form = 0;       ///< how it was told: of the rule `part-recognised`
 };
 
-/// Named by the user; or in a sliding contact and held by nothing at all; or held by nodes that lie behind less than half
-/// of what contacts press of it, as a meniscus is by its horns: no layer on a bone. Bodies of those that are free are put before
-/// the ground: then `holders` must be found anew. Throws UsageError for a name that is no deformable material.
+/// Named by the user; or pressed on two surfaces or more and held by nothing at all, or by nodes that lie behind less
+/// than half of what is pressed of it, as a meniscus is by its horns: no layer on a bone. Bodies of those that are free
+/// are put before the ground: then `holders` must be found anew. Throws UsageError for a name that is no deformable
+/// material.
 std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Settings& settings,
                                           const std::vector<char>& rigid, const std::vector<int>& region,
                                           const Holders& holders, Bodies& bodies);

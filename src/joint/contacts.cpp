@@ -143,10 +143,10 @@ void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
 
 /// Springs that know nothing of each other cannot press a part, all of which moves with any force on it.
 InputError needs_layer_law(const JointModel& model, const ContactPair& pair) {
-  return fault_at(model, pair.origin,
-                  say("contact \"{}\" presses a deformable part, and law {} has no answer for it;", pair.name,
-                      name(pair.law)),
-                  say("take {}", NamedSetting{"law", "", "layer"}));
+  return fault_at(
+      model, pair.origin,
+      say("contact \"{}\" presses a deformable part, and law {} has no answer for it;", pair.name, name(pair.law)),
+      say("take {}", NamedSetting{"law", "", "layer"}));
 }
 
 /// A contact whose layers are known joins the others, unless it joins a body with itself.

@@ -22,8 +22,8 @@ struct Joint : Connections {
   std::vector<ContactPair> contacts;
   std::vector<SharedLayer> shared_layers;  ///< that more than one of them press
   std::vector<SoftPart> parts;
-  std::vector<int> node_body;              ///< per model node: body that carries it, -1: none (stays where it is)
-  Conditions conditions;                   ///< of the model, without what the settings say of them
+  std::vector<int> node_body;  ///< per model node: body that carries it, -1: none (stays where it is)
+  Conditions conditions;       ///< of the model, without what the settings say of them
   std::vector<SymmetryPlane> symmetry_planes;
   Findings findings;  ///< what was concluded, left out or is taken otherwise than in FEBio, in order
 

@@ -14,10 +14,10 @@ namespace {
 /// The stiffness of a material at small strain. InputError: the model does not tell it.
 Matrix6d elastic_of(const JointModel& model, const Material& m, const std::string& part) {
   if (m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
-  throw fault_at(model, m.origin,
-                 say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
-                 say("give the part a material with a stiffness, or take it as rigid with {}",
-                     NamedSetting{"rigid", "", m.name}));
+  throw fault_at(
+      model, m.origin,
+      say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
+      say("give the part a material with a stiffness, or take it as rigid with {}", NamedSetting{"rigid", "", m.name}));
 }
 
 /// Calls `use(domain, nodes, n)` for each element of a region.
@@ -35,9 +35,9 @@ void for_each_element(const ModelParts& parts, int region, const Use& use) {
 InputError held_by_two(const ModelParts& parts, const SoftRegion& soft) {
   const std::vector<Body>& bodies = parts.bodies.bodies;
   return fault_at(parts.model, {0, 0},
-                    say("part \"{}\" is held by two bodies, \"{}\" and \"{}\", which is not modelled;", soft.name,
-                        bodies[at(soft.body)].name, bodies[at(soft.other)].name),
-                    "hold its nodes by one of them, or fasten it to the other with springs");
+                  say("part \"{}\" is held by two bodies, \"{}\" and \"{}\", which is not modelled;", soft.name,
+                      bodies[at(soft.body)].name, bodies[at(soft.other)].name),
+                  "hold its nodes by one of them, or fasten it to the other with springs");
 }
 
 SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
@@ -48,9 +48,8 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   part.body = soft.body;
   part.other = soft.other;
   std::vector<int>& nodes_of = part.model_nodes;
-  for_each_element(parts, soft.region, [&](const Domain&, const int* nodes, int n) {
-    nodes_of.insert(nodes_of.end(), nodes, nodes + n);
-  });
+  for_each_element(parts, soft.region,
+                   [&](const Domain&, const int* nodes, int n) { nodes_of.insert(nodes_of.end(), nodes, nodes + n); });
   std::sort(nodes_of.begin(), nodes_of.end());
   nodes_of.erase(std::unique(nodes_of.begin(), nodes_of.end()), nodes_of.end());
   Eigen::AlignedBox3d box;
@@ -64,10 +63,10 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   for_each_element(parts, soft.region, [&](const Domain& d, const int* nodes, int n) {
     const Material& material = model.materials[at(d.material)];
     if (!has_stiffness(d.shape))
-      throw fault_at(model, material.origin,
-                     say("part \"{}\" has elements {}, whose stiffness is not known;", part.name,
-                         element_type(d.shape).name),
-                     "mesh it with hex8, hex20, hex27, penta6, penta15, tet4, tet10, tet15 or pyra5");
+      throw fault_at(
+          model, material.origin,
+          say("part \"{}\" has elements {}, whose stiffness is not known;", part.name, element_type(d.shape).name),
+          "mesh it with hex8, hex20, hex27, penta6, penta15, tet4, tet10, tet15 or pyra5");
     part.mesh.shape.push_back(d.shape);
     part.mesh.material.push_back(d.material);
     part.mesh.elastic.push_back(elastic_of(model, material, part.name));

@@ -23,9 +23,9 @@ struct PartMesh {
 
 /// A meniscus, a disc, a labrum: it gives way as its elements do (docs/parts.md).
 struct SoftPart {
-  std::string name;              ///< of its material; of the largest where it has several
-  int body = -1;                 ///< index into Joint::bodies: its frame moves with it
-  int other = -1;                ///< a second body that holds it, -1: none
+  std::string name;  ///< of its material; of the largest where it has several
+  int body = -1;     ///< index into Joint::bodies: its frame moves with it
+  int other = -1;    ///< a second body that holds it, -1: none
   PartMesh mesh;
   std::vector<int> model_nodes;  ///< per node of the mesh: index of the model's node, ascending
   std::vector<int> holder;       ///< per node: the body that holds it, -1: none

@@ -29,8 +29,7 @@ double power(double x, int n) {
 
 double value_of(const Polynomial& p, const Vector3d& x) {
   double sum = 0.0;
-  for (const Term& t : p)
-    sum += t.factor * power(x[0], t.power[0]) * power(x[1], t.power[1]) * power(x[2], t.power[2]);
+  for (const Term& t : p) sum += t.factor * power(x[0], t.power[0]) * power(x[1], t.power[1]) * power(x[2], t.power[2]);
   return sum;
 }
 
@@ -51,7 +50,8 @@ struct GaussPoint {
 };
 
 /// A shape in its own coordinates: hexahedra in [-1, 1]^3, prisms a triangle of (0, 0), (1, 0), (0, 1) times [-1, 1],
-/// tetrahedra with corners at the origin and the unit points. Nodes' functions: one row of `weights` each, over `basis`.
+/// tetrahedra with corners at the origin and the unit points. Nodes' functions: one row of `weights` each, over
+/// `basis`.
 struct Reference {
   std::vector<Polynomial> basis;
   Eigen::MatrixXd weights;
@@ -190,8 +190,8 @@ std::vector<GaussPoint> points_of(Shape shape) {
       for (const auto& t : gauss(3))
         for (const auto& u : gauss(3))
           for (const auto& v : gauss(3))
-            points.push_back({{half(u[0]), half(v[0]) * (1 - half(u[0])), t[0]},
-                              t[1] * u[1] * v[1] / 4 * (1 - half(u[0]))});
+            points.push_back(
+                {{half(u[0]), half(v[0]) * (1 - half(u[0])), t[0]}, t[1] * u[1] * v[1] / 4 * (1 - half(u[0]))});
       break;
     case Shape::Tet4:
       points.push_back({Vector3d::Constant(0.25), 1.0 / 6});
@@ -271,8 +271,8 @@ bool has_stiffness(ElementShape shape) {
 
 std::vector<ElementPoint> element_points(ElementShape shape, const std::vector<Vector3d>& nodes) {
   if (shape == Shape::Pyra5) {  // FEBio's: a hexahedron whose upper face is drawn together
-    std::vector<ElementPoint> points = element_points(
-        Shape::Hex8, {nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[4], nodes[4], nodes[4]});
+    std::vector<ElementPoint> points =
+        element_points(Shape::Hex8, {nodes[0], nodes[1], nodes[2], nodes[3], nodes[4], nodes[4], nodes[4], nodes[4]});
     for (ElementPoint& p : points) {
       for (int k = 5; k < 8; ++k) p.strain.middleCols<3>(12) += p.strain.middleCols<3>(3 * k);
       p.strain.conservativeResize(Eigen::NoChange, 15);

@@ -15,8 +15,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Stress per strain of an isotropic material [MPa].
 Matrix6d isotropic_stiffness(double E, double nu);
 
-/// Is the shape's stiffness known? Not that of tetrahedra with a node inside (they lock), cubic ones, and of pyramids with
-/// 13 nodes.
+/// Is the shape's stiffness known? Not that of tetrahedra with a node inside (they lock), cubic ones, and of pyramids
+/// with 13 nodes.
 bool has_stiffness(ElementShape shape);
 
 /// How an element's strains follow from its nodes' displacements (u, v, w of the first node, of the second, ...): at
@@ -24,7 +24,7 @@ bool has_stiffness(ElementShape shape);
 /// the element's mean dilatation at every point, so that they do not lock where the material hardly changes its volume
 /// (Hughes 1980, Int J Numer Meth Eng 15:1413); those of 20 nodes are integrated at 2 x 2 x 2 points.
 struct ElementPoint {
-  double volume = 0.0;                               ///< > 0 when the nodes are in FEBio's order
+  double volume = 0.0;                              ///< > 0 when the nodes are in FEBio's order
   Eigen::Matrix<double, 6, Eigen::Dynamic> strain;  ///< 6 x 3 nodes, per displacement [1/mm]
 };
 std::vector<ElementPoint> element_points(ElementShape shape, const std::vector<Vector3d>& nodes);

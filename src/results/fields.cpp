@@ -9,6 +9,7 @@
 #include "src/results/headline.h"
 #include "src/springs/gaps.h"
 #include "src/springs/part_bed.h"
+#include "src/springs/place.h"
 #include "src/springs/spring_law.h"
 
 namespace dea {
@@ -460,8 +461,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       all.push_back(fields_of_contact({there.bed, there.map, e.springs[c], source, target}, force, active));
       continue;
     }
-    all.push_back(fields_of_contact({bed, maps.contacts[c], active ? e.springs[c] : inactive, source, target}, force,
-                                    active));
+    all.push_back(
+        fields_of_contact({bed, maps.contacts[c], active ? e.springs[c] : inactive, source, target}, force, active));
   }
   return all;
 }
@@ -542,9 +543,9 @@ std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& j
     const Eigen::MatrixX3d* motion = part_motion(joint, e, static_cast<int>(k));
     const Pose& pose = e.poses[at(part.body)];
     for (int i = 0; motion != nullptr && i < part.mesh.size(); ++i)
-      u[at(part.model_nodes[at(i)])] =
-          pose.center - part.mesh.nodes[at(i)] +
-          pose.rotation * (part.mesh.nodes[at(i)] + motion->row(i).transpose() - joint.bodies[at(part.body)].center_of_mass);
+      u[at(part.model_nodes[at(i)])] = pose.center - part.mesh.nodes[at(i)] +
+                                       pose.rotation * (part.mesh.nodes[at(i)] + motion->row(i).transpose() -
+                                                        joint.bodies[at(part.body)].center_of_mass);
   }
   if (!squash) return u;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

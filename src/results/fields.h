@@ -88,8 +88,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
 /// How the nodes of a part have moved in its frame (nodes x 3); nullptr: no contact presses it.
 const Eigen::MatrixX3d* part_motion(const Joint& joint, const Equilibrium& e, int part);
 
-/// Displacement of every model node: that of its part; rigid with its body; cartilage nodes moved towards their bone by the layer's
-/// shortening, linearly through the thickness (squash).
+/// Displacement of every model node: that of its part; rigid with its body; cartilage nodes moved towards their bone by
+/// the layer's shortening, linearly through the thickness (squash).
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
                                          const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash);
 

@@ -445,11 +445,13 @@ std::vector<Rule> all_rules() {
       told("taken-as-rigid", "Nothing: you asked for it.",
            {{N, "material \"{material}\" is taken as rigid ({given})"}}),
       told("part-recognised",
-           "Nothing, if it is a meniscus, a disc or a labrum. Take it as rigid, or give its surface a bone or a thickness, "
+           "Nothing, if it is a meniscus, a disc or a labrum. Take it as rigid, or give its surface a bone or a "
+           "thickness, "
            "if it is not.",
            {{N, "part \"{part}\" gives way as its {elements} elements do ({give})"},
             {N,
-             "\"{part}\" is a part of its own, for contacts press it and nothing holds it: it gives way as its {elements} "
+             "\"{part}\" is a part of its own, for contacts press two surfaces of it and nothing holds it: it gives "
+             "way as its {elements} "
              "elements do; {rigid} takes it as rigid"},
             {N,
              "\"{part}\" is a part on body \"{body}\" and no layer, for behind most of what contacts press of it there "

@@ -38,8 +38,8 @@ BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, Shared
     if (!made) made = make_part(joint, part);
     of.part = made;
     for (const int node : layer.articular.model_nodes)
-      of.part_node.push_back(static_cast<int>(
-          std::lower_bound(part.model_nodes.begin(), part.model_nodes.end(), node) - part.model_nodes.begin()));
+      of.part_node.push_back(static_cast<int>(std::lower_bound(part.model_nodes.begin(), part.model_nodes.end(), node) -
+                                              part.model_nodes.begin()));
     of.part_quad = part_quads(layer.articular);
     return of;
   }
@@ -450,6 +450,8 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     remember(all, result.pressure, *memory);
     return false;
   }
+  Eigen::VectorXd own = local_compliance(contact);
+  for (const PartFeet& on : on_parts) own += Eigen::Map<const Eigen::VectorXd>(on.scale.data(), own.size());
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active) continue;
     states[b].complementarity = result.residual;
@@ -459,6 +461,9 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
         states[b].pressure[at(i)] = result.pressure[all.begin[b] + i];
       else if (result.active[at(all.begin[b] + i)])
         set_spring(*beds[b].bed, all.layer_of[b], result, all.begin[b] + i, i, states[b]);
+    if (beds[b].bed->ties.empty() && !parts_of(*beds[b].bed).empty())  // a part has no spring: about how a foot resists
+      for (int i = 0; i < states[b].size(); ++i)
+        if (const double soft = own[all.begin[b] + i]; soft > 0) states[b].per_overlap[at(i)] = 1 / soft;
   }
   std::vector<std::vector<double>> flows(all.layers.size());  // of layers, when they are asked for
   std::vector<std::vector<double>> factors(beds.size());

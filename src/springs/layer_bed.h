@@ -32,10 +32,10 @@ LayerFeet feet_on_source(const LayerBed& layers, const Eigen::VectorXd& area);
 /// Fills pressures, strains, rates and the target's parts of springs that carry nothing yet; their gaps, overlaps, feet
 /// and areas must be there. All contacts that share layers are one problem (L4) over the union of their feet. `states`:
 /// one per bed; of those that are not active, empty. `memory`: as in press_springs.
-/// `moved`: how parts had moved where the gaps were found (SpringStates::part_motion; they are added up to where nothing
-/// had); set to how they move now. True: pressures fit these gaps, and all is filled; else find gaps there and call
-/// again. Without parts always true; with them `memory` must be there.
-/// `misfit`: set to how far the pressures it began with were from fitting, of the greatest (LayerPressure).
+/// `moved`: how parts had moved where the gaps were found (SpringStates::part_motion; they are added up to where
+/// nothing had); set to how they move now. True: pressures fit these gaps, and all is filled; else find gaps there and
+/// call again. Without parts always true; with them `memory` must be there. `misfit`: set to how far the pressures it
+/// began with were from fitting, of the greatest (LayerPressure).
 bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
                   PressMemory* memory, PartMotions& moved, double& misfit);
 

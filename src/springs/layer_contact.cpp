@@ -156,8 +156,7 @@ class Deflation {
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
   double worst = 0;
   for (Index i = 0; i < p.size(); ++i)
-    if (const double off = std::abs(B.least[i] < 0 ? z[i] : std::min(p[i], z[i]));
-        B.weight[i] > 0 && !(off <= worst))
+    if (const double off = std::abs(B.least[i] < 0 ? z[i] : std::min(p[i], z[i])); B.weight[i] > 0 && !(off <= worst))
       worst = off;  // NaN, too
   const double peak = p.size() > 0 ? p.cwiseAbs().maxCoeff() : 0.0;
   return peak > 0 ? worst / peak : worst;
@@ -172,7 +171,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
   std::vector<char> face(at(static_cast<int>(n)), 0), before;
   VectorXd free = VectorXd::Zero(n), d, Bd;
   std::optional<Deflation> soft;  // on the face
-  double curvature = 0;  // of d; 0: there is none to be conjugate to
+  double curvature = 0;           // of d; 0: there is none to be conjugate to
   double& stride = B.stride;
   while (!(complementarity(B, p, z) <= goal) && B.applications < options.max_applications) {
     end_if_stopped(options.stop);
@@ -273,9 +272,8 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
       return of.softening.size() == 0 || of.softening.isZero(0.0);
     });
     // Newton's step squares the error: no need to solve it closer than that
-    const double goal = linear
-                            ? tolerance
-                            : std::max(0.3 * tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
+    const double goal =
+        linear ? tolerance : std::max(0.3 * tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
     solve_bounded(B, p, z, goal, options);
   }
   result.active.resize(at(n));

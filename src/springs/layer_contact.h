@@ -32,8 +32,8 @@ struct FootPair {
 /// Layers pressed together on the same feet: two, or one against a bare rigid surface; where contacts share layers, all
 /// of these under the feet of all of them.
 struct LayerContact {
-  std::vector<PressedLayer> layers;   ///< each once
-  std::vector<PartUnderFeet> parts;     ///< each once
+  std::vector<PressedLayer> layers;  ///< each once
+  std::vector<PartUnderFeet> parts;  ///< each once
   std::vector<FootPair> pairs;
   Eigen::VectorXd area;               ///< per foot: what carries its pressure [mm^2]; 0: takes no part
   Eigen::VectorXd own;                ///< per foot: stated compliance of its own [mm/MPa]; empty: none
@@ -41,8 +41,8 @@ struct LayerContact {
   double interface_compliance = 0.0;  ///< gap per pressure of what lies between the surfaces (S9)
 };
 
-/// Sum of w over the layers and parts [mm] for pressures [MPa], both feet x columns, linear about the softenings. The layers may
-/// be computed at the same time, each by itself: the result does not depend on the number of threads.
+/// Sum of w over the layers and parts [mm] for pressures [MPa], both feet x columns, linear about the softenings. The
+/// layers may be computed at the same time, each by itself: the result does not depend on the number of threads.
 Eigen::MatrixXd sinking(const LayerContact& contact, const Eigen::MatrixXd& pressure);
 /// Compliance of each foot for itself at small strain, the sum over the layers [mm/MPa]: what is left for short waves.
 Eigen::VectorXd local_compliance(const LayerContact& contact);
@@ -53,10 +53,10 @@ Eigen::MatrixXd spread(const LayerContact& contact, const Eigen::MatrixXd& force
 
 struct LayerContactOptions {
   double tolerance = 1e-9;      ///< of `residual`: far below any mesh's error, so that a solver above sees a function
-  double part_of_first = 0.0;   ///< also enough: this part of `first_residual`
   int max_applications = 2000;  ///< of the compliance; a stop
   bool large_strain = true;     ///< (L9); else w = C p
   const StopFlag* stop = nullptr;  ///< not owned; looked at before each application: Stopped
+  double part_of_first = 0.0;      ///< also enough: this part of `first_residual`
 };
 
 struct LayerPressure {

@@ -9,22 +9,10 @@
 
 #include "src/base/numbers.h"
 #include "src/springs/gaps.h"
-#include "src/springs/place.h"
 
 namespace dea {
 
 namespace {
-
-/// Where the vertices of a side's surface have moved; empty: it is no part's, or has not.
-std::vector<Vector3d> moved_vertices(const SurfaceMesh& mesh, const BedLayer& of, const PartMotions& moved) {
-  if (!of.part) return {};
-  const auto motion = moved.find(of.part.get());
-  if (motion == moved.end()) return {};
-  std::vector<Vector3d> vertices = mesh.vertices;
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    vertices[v] += motion->second.row(of.part_node[v]).transpose();
-  return vertices;
-}
 
 /// Means over what of a triangle a foot stands on: of its barycentric weights, and of their products two by two.
 struct Moments {
@@ -67,8 +55,8 @@ Moments moments_at(const Barycentric& w) {
 }
 
 /// Adds an even traction's forces on nodes. Half a quadrilateral shares them as the whole does, whose displacements are
-/// bilinear: with its corner at the right angle r, the ends p and q of the diagonal and s beyond it, and x = w_p, y = w_q,
-/// s gets xy, p gets x (1 - y), q gets (1 - x) y, r the rest.
+/// bilinear: with its corner at the right angle r, the ends p and q of the diagonal and s beyond it, and x = w_p, y =
+/// w_q, s gets xy, p gets x (1 - y), q gets (1 - x) y, r the rest.
 void add_force(PartFeet& feet, const BedLayer& of, const SurfaceMesh& mesh, int t, const Moments& m,
                const Vector3d& force) {
   const auto& corners = mesh.triangles[at(t)];
@@ -156,38 +144,6 @@ SpringStates tie_states(const SpringBed& bed, const Pose& source, const Pose& ta
   return s;
 }
 
-namespace {
-
-/// Each end that is a node of a part, where the part has moved.
-std::vector<PartTie> moved_ties(const SpringBed& bed, const PartMotions& moved) {
-  std::vector<PartTie> ties = bed.ties;
-  const auto move = [&](const BedLayer& of, int node, Vector3d& end) {
-    if (node < 0 || !of.part) return;
-    if (const auto motion = moved.find(of.part.get()); motion != moved.end())
-      end += motion->second.row(node).transpose();
-  };
-  for (PartTie& tie : ties) {
-    move(bed.layers->source, tie.source_node, tie.source);
-    move(bed.layers->target, tie.target_node, tie.target);
-  }
-  return ties;
-}
-
-}  // namespace
-
-SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved) {
-  if (!bed.ties.empty()) {
-    SpringBed there = bed;
-    there.ties = moved_ties(bed, moved);
-    return there;
-  }
-  const std::vector<Vector3d> source =
-      moved_vertices(bed.pair.source_layer().spring_surface(), bed.layers->source, moved);
-  const std::vector<Vector3d> target =
-      moved_vertices(bed.pair.target_layer().spring_surface(), bed.layers->target, moved);
-  return with_surfaces_at(bed, source, target);
-}
-
 void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, const Pose& target,
               const PartOperator& part, PartFeet& feet) {
   const bool on_source = bed.layers->source.part.get() == &part, on_target = bed.layers->target.part.get() == &part;
@@ -211,10 +167,9 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
     if (on_source && area > 0) {
       const int t = bed.springs.surface_triangle[k];
       const Vector3d foot = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
-      const Moments m =
-          s.coverage[k] < 1
-              ? moments_at(weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot))
-              : moments_of(bed.springs.weights[k].data(), 3);
+      const Moments m = s.coverage[k] < 1
+                            ? moments_at(weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot))
+                            : moments_of(bed.springs.weights[k].data(), 3);
       add_force(feet, bed.layers->source, from, t, m, -area * bed.springs.direction[k]);
     }
     if (on_target && area > 0) {

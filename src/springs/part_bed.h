@@ -26,9 +26,6 @@ std::vector<const PartOperator*> parts_of(const SpringBed& bed);
 /// are zero.
 SpringStates tie_states(const SpringBed& bed, const Pose& source, const Pose& target, const TieLaw& law);
 
-/// The bed with the surfaces and ties of its parts where these have moved.
-SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved);
-
 /// Appends a foot for each spring of a bed, with_parts_moved, to those on one of its parts; nothing where it does not
 /// press that part. Without columns (set_reach).
 void add_feet(const SpringBed& bed, const SpringStates& states, const Pose& source, const Pose& target,

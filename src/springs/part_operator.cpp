@@ -38,7 +38,7 @@ std::vector<std::array<int, 2>> node_pairs(const PartMesh& mesh) {
 /// material hardly changes its volume nothing could move. So that part of their stiffness acts on the mean dilatation
 /// around each node (Bonet and Burton 1998, Commun Numer Meth Eng 14:437).
 struct NodeDilatation {
-  double volume = 0.0, modulus = 0.0;           // sum of V/4, of V/4 times what is left out of D
+  double volume = 0.0, modulus = 0.0;    // sum of V/4, of V/4 times what is left out of D
   std::map<int, Eigen::RowVector3d> of;  // per node of the elements around: integral of the dilatation per displacement
 };
 
@@ -84,8 +84,7 @@ void for_each_stiffness(const PartMesh& mesh, std::vector<double>& volume, const
     const NodeDilatation& d = entry.second;
     for (const auto& a : d.of)
       for (const auto& b : d.of)
-        add(a.first, b.first,
-            Eigen::Matrix3d(d.modulus / (d.volume * d.volume) * a.second.transpose() * b.second));
+        add(a.first, b.first, Eigen::Matrix3d(d.modulus / (d.volume * d.volume) * a.second.transpose() * b.second));
   }
 }
 
@@ -294,8 +293,8 @@ MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd&
         if (const int row = part.unknown[at(3 * node + k)]; row >= 0)
           b.row(row) += feet.weight[at(j)][k] * pressure.row(i);
       if (part.free)
-        wrench += rigid_motion(part.mesh.nodes[at(node)] - part.center).transpose() * feet.weight[at(j)] *
-                  pressure.row(i);
+        wrench +=
+            rigid_motion(part.mesh.nodes[at(node)] - part.center).transpose() * feet.weight[at(j)] * pressure.row(i);
     }
   if (part.free) along_Z = part.Z.transpose() * b;
   solve(part.factor, feet.columns, b);

@@ -26,17 +26,18 @@ enum class PartHold : unsigned char { None, Frame, Other };
 /// the other is W^T f - S theta                                                                                   (P3)
 struct PartOperator {
   PartMesh mesh;
-  std::vector<PartHold> hold;   ///< per node
-  std::vector<int> unknown;     ///< 3 per node; -1: held
-  SparseFactor factor;          ///< of K over the unknowns
-  std::vector<double> volume;   ///< per node: its share of the elements'
-  double softness = 0.0;        ///< strain per stress along its stiffest axis, of its softest element [1/MPa]
+  std::vector<PartHold> hold;  ///< per node
+  std::vector<int> unknown;    ///< 3 per node; -1: held
+  SparseFactor factor;         ///< of K over the unknowns
+  std::vector<double> volume;  ///< per node: its share of the elements'
+  double softness = 0.0;       ///< strain per stress along its stiffest axis, of its softest element [1/MPa]
   /// Its softest motions, in no unit: pressures along them move it most, and a search for pressures treats them by
   /// themselves. Each nodes x 3.
   std::vector<Eigen::MatrixX3d> soft;
-  bool free = false;            ///< nothing holds it
-  Vector3d center = Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
-  Eigen::MatrixXd Z;                   ///< free: unknowns x 6
+  bool free = false;  ///< nothing holds it
+  Vector3d center =
+      Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
+  Eigen::MatrixXd Z;     ///< free: unknowns x 6
   Eigen::Matrix<double, 6, 6> G_inverse, S;
   Eigen::MatrixXd W;  ///< held by two bodies: unknowns x 6
 };
@@ -57,7 +58,8 @@ struct PartFeet {
 };
 void set_reach(PartFeet& feet, const PartOperator& part);
 
-/// w per foot [mm], along its force, per pressure [MPa]; both feet x columns. A_i w_i = N_i^T u: symmetric, not negative.
+/// w per foot [mm], along its force, per pressure [MPa]; both feet x columns. A_i w_i = N_i^T u: symmetric, not
+/// negative.
 Eigen::MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
 
 /// Per foot and soft motion: how far it goes along its force, N_i^T u / A_i.

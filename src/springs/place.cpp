@@ -79,6 +79,10 @@ SpringBed place_springs_alone(const Joint& joint, const ContactPair& pair) {
   return bed;
 }
 
+namespace {
+
+/// The same springs and target with the vertices of both spring surfaces elsewhere, in the bodies' reference frames;
+/// empty: as they are.
 SpringBed with_surfaces_at(SpringBed bed, const std::vector<Vector3d>& source, const std::vector<Vector3d>& target) {
   Layer& from = bed.pair.layers[bed.pair.source];
   if (!source.empty()) {
@@ -93,6 +97,46 @@ SpringBed with_surfaces_at(SpringBed bed, const std::vector<Vector3d>& source, c
   }
   if (!source.empty() || !target.empty()) place_target(bed);
   return bed;
+}
+
+/// Where the vertices of a side's surface have moved; empty: it is no part's, or has not.
+std::vector<Vector3d> moved_vertices(const SurfaceMesh& mesh, const BedLayer& of, const PartMotions& moved) {
+  if (!of.part) return {};
+  const auto motion = moved.find(of.part.get());
+  if (motion == moved.end()) return {};
+  std::vector<Vector3d> vertices = mesh.vertices;
+  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] += motion->second.row(of.part_node[v]).transpose();
+  return vertices;
+}
+
+/// Each end that is a node of a part, where the part has moved.
+std::vector<PartTie> moved_ties(const SpringBed& bed, const PartMotions& moved) {
+  std::vector<PartTie> ties = bed.ties;
+  const auto move = [&](const BedLayer& of, int node, Vector3d& end) {
+    if (node < 0 || !of.part) return;
+    if (const auto motion = moved.find(of.part.get()); motion != moved.end())
+      end += motion->second.row(node).transpose();
+  };
+  for (PartTie& tie : ties) {
+    move(bed.layers->source, tie.source_node, tie.source);
+    move(bed.layers->target, tie.target_node, tie.target);
+  }
+  return ties;
+}
+
+}  // namespace
+
+SpringBed with_parts_moved(const SpringBed& bed, const PartMotions& moved) {
+  if (!bed.ties.empty()) {
+    SpringBed there = bed;
+    there.ties = moved_ties(bed, moved);
+    return there;
+  }
+  const std::vector<Vector3d> source =
+      moved_vertices(bed.pair.source_layer().spring_surface(), bed.layers->source, moved);
+  const std::vector<Vector3d> target =
+      moved_vertices(bed.pair.target_layer().spring_surface(), bed.layers->target, moved);
+  return with_surfaces_at(bed, source, target);
 }
 
 SpringBed place_springs(const Joint& joint, const ContactPair& pair, SharedOperators& shared) {

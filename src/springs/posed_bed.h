@@ -38,8 +38,8 @@ struct LayerBed {
   BedLayer source, target;
   LayerFeet whole;                   ///< the springs' whole feet on the source's layer
   std::vector<int> source_triangle;  ///< per spring: the triangle of the source's mesh it stands on; bare: empty
-  std::vector<FootPair> pairs;  ///< of the springs, between parts without a layer (P4)
-  std::vector<char> ends;       ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
+  std::vector<FootPair> pairs;       ///< of the springs, between parts without a layer (P4)
+  std::vector<char> ends;  ///< per triangle of the source's surface: it ends there, other than in a plane of symmetry
 };
 
 /// Tension of a ligament at a length; nothing: it does not act.

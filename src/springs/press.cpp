@@ -5,6 +5,7 @@
 #include "src/base/numbers.h"
 #include "src/springs/gaps.h"
 #include "src/springs/layer_bed.h"
+#include "src/springs/place.h"
 #include "src/springs/spring_law.h"
 
 namespace dea {
@@ -53,6 +54,10 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
   PartMotions moved;
   if (memory && memory->part_motion.size() == parts.size())
     for (std::size_t k = 0; k < parts.size(); ++k) moved[parts[k]] = memory->part_motion[k];
+  // what presses parts unevenly for want of digits tilts their surfaces, and pushes them along what nothing resists
+  constexpr double kCoarsest = 1e-6;
+  PressOptions close = options;
+  if (!parts.empty()) close.tolerance = std::min(options.tolerance, kCoarsest);
   std::vector<SpringStates> states;
   bool fits = false;
   double share = 1.0, last = kInfinity;
@@ -68,13 +73,14 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
     states = gaps_of(posed);
     const PartMotions before = moved;
     double misfit = 0.0;
-    fits = press_layers(posed, states, options, memory, moved, misfit);
+    fits = press_layers(posed, states, close, memory, moved, misfit);
     if (fits || parts.empty()) break;
     // what lies opposite changes on the way: where gaps fit worse than a round before, the parts go less far at once
     share = misfit > last ? std::max(0.1, 0.5 * share) : std::min(1.0, 1.5 * share);
     last = misfit;
     for (auto& [part, motion] : moved)
-      if (const auto old = before.find(part); old != before.end()) motion = old->second + share * (motion - old->second);
+      if (const auto old = before.find(part); old != before.end())
+        motion = old->second + share * (motion - old->second);
   }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active || parts.empty()) continue;
@@ -104,8 +110,7 @@ SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose&
 std::vector<SpringStates> press_together(const std::vector<PosedBed>& beds, const PressOptions& options,
                                          PressMemory* memory) {
   const bool layers = beds.front().bed->layers != nullptr;
-  std::vector<SpringStates> states =
-      layers ? press_where_parts_go(beds, options, memory) : gaps_of(beds);
+  std::vector<SpringStates> states = layers ? press_where_parts_go(beds, options, memory) : gaps_of(beds);
   for (std::size_t b = 0; b < beds.size(); ++b) {
     SpringStates& s = states[b];
     if (!layers && beds[b].active) press_each(*beds[b].bed, s, beds[b].target);

@@ -39,7 +39,7 @@ struct Tension {
 
 /// A ligament of which an end is a node of a part that nobody holds: it moves the part, and gives way with it.
 struct PartTie {
-  int ligament = -1;  ///< index into Joint::ligaments
+  int ligament = -1;                                              ///< index into Joint::ligaments
   Vector3d source = Vector3d::Zero(), target = Vector3d::Zero();  ///< its ends, in the bodies' reference frames
   int source_node = -1, target_node = -1;                         ///< nodes of parts; -1: the end is the body's own
 };
@@ -154,8 +154,8 @@ struct PressMemory {
   Eigen::VectorXd pressure;
   Eigen::MatrixXd rates;
   std::vector<Pose> source, target;
-  Eigen::VectorXd nearly;          ///< the pressures, and below zero what is missing for one
-  Eigen::VectorXd change, motion;  ///< of `nearly`; 6 per pair; empty: there was none
+  Eigen::VectorXd nearly;                     ///< the pressures, and below zero what is missing for one
+  Eigen::VectorXd change, motion;             ///< of `nearly`; 6 per pair; empty: there was none
   std::vector<Eigen::MatrixX3d> part_motion;  ///< of the parts that are pressed together, in their order
 };
 

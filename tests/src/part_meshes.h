@@ -62,8 +62,8 @@ inline PartMesh with_more_nodes(const PartMesh& simple, ElementShape shape) {
   return mesh;
 }
 
-/// A block of n[0] x n[1] x n[2] cells on [0, size], nodes moved by `warp`; each cell one hexahedron, or two prisms, six
-/// tetrahedra or pyramids.
+/// A block of n[0] x n[1] x n[2] cells on [0, size], nodes moved by `warp`; each cell one hexahedron, or two prisms,
+/// six tetrahedra or pyramids.
 inline PartMesh block_of(ElementShape shape, const std::array<int, 3>& n, const Vector3d& size, const Matrix6d& D,
                          const std::function<Vector3d(const Vector3d&)>& warp = nullptr) {
   using S = ElementShape;
@@ -76,10 +76,10 @@ inline PartMesh block_of(ElementShape shape, const std::array<int, 3>& n, const 
         const Vector3d x(size[0] * i / n[0], size[1] * j / n[1], size[2] * k / n[2]);
         mesh.nodes.push_back(warp ? warp(x) : x);
       }
-  const S simple = shape == S::Hex20 || shape == S::Hex27                        ? S::Hex8
-                   : shape == S::Penta15                                         ? S::Penta6
+  const S simple = shape == S::Hex20 || shape == S::Hex27   ? S::Hex8
+                   : shape == S::Penta15                    ? S::Penta6
                    : shape == S::Tet10 || shape == S::Tet15 ? S::Tet4
-                                                                                 : shape;
+                                                            : shape;
   const auto add = [&](const std::vector<int>& nodes) {
     mesh.shape.push_back(simple);
     mesh.material.push_back(0);
@@ -89,9 +89,9 @@ inline PartMesh block_of(ElementShape shape, const std::array<int, 3>& n, const 
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i) {
-        const std::vector<int> c = {node(i, j, k),         node(i + 1, j, k),         node(i + 1, j + 1, k),
-                                    node(i, j + 1, k),     node(i, j, k + 1),         node(i + 1, j, k + 1),
-                                    node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)};
+        const std::vector<int> c = {
+            node(i, j, k),     node(i + 1, j, k),     node(i + 1, j + 1, k),     node(i, j + 1, k),
+            node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)};
         if (simple == S::Hex8) {
           add(c);
         } else if (simple == S::Penta6) {

@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "part_meshes.h"
 #include "src/base/numbers.h"
+#include "tests/src/part_meshes.h"
 
-namespace dea {
+namespace dea::part_operator_test {
 namespace {
 
 using test::block_of;
@@ -52,8 +52,9 @@ TEST(PartOperator, EvenStressStretchesEvenly) {
     const Eigen::MatrixX3d force = forces_of_stress(mesh, stress);
     for (int i = 0; i < mesh.size(); ++i) {
       const Vector3d& x = mesh.nodes[at(i)];
-      const bool inside = x[0] > 1e-9 && x[0] < 2 - 1e-9 && x[1] > 1e-9 && x[1] < 3 - 1e-9 && x[2] > 1e-9 && x[2] < 4 - 1e-9;
-      if (inside) EXPECT_LT(force.row(i).norm(), 1e-12);
+      const bool inside =
+          x[0] > 1e-9 && x[0] < 2 - 1e-9 && x[1] > 1e-9 && x[1] < 3 - 1e-9 && x[2] > 1e-9 && x[2] < 4 - 1e-9;
+      EXPECT_LT(inside ? force.row(i).norm() : 0.0, 1e-12);
     }
     const PartOperator part = make_part_operator(mesh, std::vector<PartHold>(at(mesh.size()), PartHold::None));
     EXPECT_TRUE(part.free);
@@ -138,8 +139,8 @@ PartFeet feet_on_top(const PartMesh& mesh, double z) {
   return feet;
 }
 
-/// p^T A w = u^T K u, A_i dw_i/dp_j = A_j dw_j/dp_i, and sinking() is what displacements() says, for parts that are held
-/// and free.
+/// p^T A w = u^T K u, A_i dw_i/dp_j = A_j dw_j/dp_i, and sinking() is what displacements() says, for parts that are
+/// held and free.
 TEST(PartOperator, WorkOfTheFeetIsTheEnergyStored) {
   for (ElementShape shape : {ElementShape::Hex8, ElementShape::Tet4, ElementShape::Tet10})
     for (const bool free : {false, true}) {
@@ -173,7 +174,8 @@ TEST(PartOperator, WorkOfTheFeetIsTheEnergyStored) {
       for (int e = 0; e < mesh.elements(); ++e) {
         const Eigen::MatrixXd K = element_stiffness(element_points(shape, mesh.corners(e)), D);
         Eigen::VectorXd of(K.rows());
-        for (int i = 0; i < K.rows() / 3; ++i) of.segment<3>(3 * i) = u.row(mesh.element_node[at(mesh.begin[at(e)] + i)]);
+        for (int i = 0; i < K.rows() / 3; ++i)
+          of.segment<3>(3 * i) = u.row(mesh.element_node[at(mesh.begin[at(e)] + i)]);
         stored += of.dot(K * of);
       }
       EXPECT_NEAR(work, stored, 1e-9 * stored);
@@ -196,8 +198,8 @@ TEST(PartOperator, TurnsWithItsForces) {
   EXPECT_LT((v - u * turn.transpose()).cwiseAbs().maxCoeff(), 1e-10 * u.cwiseAbs().maxCoeff());
 }
 
-/// A block bonded below and pressed evenly above, cut out of a wide layer by walls it cannot pass: it must not lock where
-/// it hardly changes its volume. Against quadratic elements on a fine mesh; the mean sinking.
+/// A block bonded below and pressed evenly above, cut out of a wide layer by walls it cannot pass: it must not lock
+/// where it hardly changes its volume. Against quadratic elements on a fine mesh; the mean sinking.
 TEST(PartOperator, HardlyLocksWhereVolumeStays) {
   const auto sunk = [](ElementShape shape, int n, double nu) {
     const PartMesh mesh = block_of(shape, {2 * n, 2 * n, n}, {4, 4, 2}, isotropic_stiffness(1, nu));
@@ -218,9 +220,10 @@ TEST(PartOperator, HardlyLocksWhereVolumeStays) {
   for (const double nu : {0.3, 0.49, 0.499}) {
     const double fine = sunk(ElementShape::Hex27, 4, nu);
     for (ElementShape shape : test::stiff_shapes())
-      EXPECT_NEAR(sunk(shape, 3, nu) / fine, 1, shape == ElementShape::Tet4 ? 0.11 : 0.04) << name_of(shape) << ", " << nu;
+      EXPECT_NEAR(sunk(shape, 3, nu) / fine, 1, shape == ElementShape::Tet4 ? 0.11 : 0.04)
+          << name_of(shape) << ", " << nu;
   }
 }
 
 }  // namespace
-}  // namespace dea
+}  // namespace dea::part_operator_test

@@ -1,0 +1,262 @@
+// Deformable parts in a joint: recognition, contact, ligaments, balance; against answers on paper.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "tests/analytic/elastic_layer.h"
+#include "tests/src/part_meshes.h"
+#include "src/equilibrium/equilibrium.h"
+#include "src/equilibrium/load_case.h"
+#include "src/joint/joint.h"
+#include "tests/src/test_models.h"
+
+namespace dea::parts_test {
+namespace {
+
+using namespace test;
+
+/// The facets of a block's mesh in a plane across the z axis, wound to look along `side`.
+std::vector<int> facets_at(const PartMesh& mesh, double z, int side, double within = 1e9) {
+  std::vector<int> quads;
+  for (int e = 0; e < mesh.elements(); ++e)
+    for (const std::vector<int>& face : element_faces(mesh.shape[at(e)])) {
+      std::vector<int> nodes;
+      bool there = true;
+      for (int k : face) {
+        const Vector3d& x = mesh.nodes[at(mesh.element_node[at(mesh.begin[at(e)] + k)])];
+        there = there && std::abs(x[2] - z) < 1e-9 && std::abs(x[0]) < within && std::abs(x[1]) < within;
+        nodes.push_back(mesh.element_node[at(mesh.begin[at(e)] + k)]);
+      }
+      const Vector3d a = mesh.nodes[at(nodes[1])] - mesh.nodes[at(nodes[0])],
+                     b = mesh.nodes[at(nodes[2])] - mesh.nodes[at(nodes[0])];
+      if (there && a.cross(b)[2] * side > 0) quads.insert(quads.end(), nodes.begin(), nodes.end());
+    }
+  return quads;
+}
+
+/// Puts a block's mesh, the first nodes of the model, into it.
+void add_block(JointModel& model, const PartMesh& mesh, const std::string& name, double E, double nu) {
+  for (const Vector3d& x : mesh.nodes) {
+    model.nodes.push_back(x);
+    model.node_ids.push_back(static_cast<int>(model.nodes.size()));
+  }
+  Domain d;
+  d.name = name;
+  d.shape = mesh.shape.front();
+  d.material = add_material(model, name, false, E, nu);
+  d.nodes = mesh.element_node;
+  for (int e = 0; e < mesh.elements(); ++e) d.element_ids.push_back(e + 1);
+  model.domains.push_back(d);
+}
+
+/// A block of 6 x 6 x 3 between two rigid plates of which the upper comes down by `depth`.
+struct Pressed {
+  JointModel model = empty_model();
+  int upper = -1, lower = -1;
+};
+Pressed block_between_plates(double E, double nu, double depth) {
+  Pressed in;
+  const PartMesh mesh = block_of(ElementShape::Hex8, {6, 6, 3}, {6, 6, 3}, isotropic_stiffness(E, nu));
+  add_block(in.model, mesh, "disc", E, nu);
+  const int top = add_surface(in.model, "top", facets_at(mesh, 3, 1)),
+            bottom = add_surface(in.model, "bottom", facets_at(mesh, 0, -1));
+  in.upper = add_material(in.model, "upper", true);
+  in.lower = add_material(in.model, "lower", true);
+  const auto plate = [](double z, bool up) {
+    return [=](double u, double v) { return up ? Vector3d(-2 + 10 * u, -2 + 10 * v, z) : Vector3d(-2 + 10 * v, -2 + 10 * u, z); };
+  };
+  const int above = add_rigid_surface(in.model, "above", 5, 5, plate(3, false), in.upper),
+            below = add_rigid_surface(in.model, "below", 5, 5, plate(0, true), in.lower);
+  add_contact(in.model, "top", top, above);
+  add_contact(in.model, "bottom", bottom, below);
+  fix(in.model, in.lower, {true, true, true, true, true, true});
+  fix(in.model, in.upper, {true, true, false, true, true, true});
+  prescribe(in.model, in.upper, 2, -depth);
+  return in;
+}
+
+struct Solved {
+  Joint joint;
+  SpringBeds beds;
+  Equilibrium e;
+};
+Solved solve(const JointModel& model, const Settings& settings = {}) {
+  Solved s;
+  s.joint = make_joint(model, settings);
+  s.beds = make_spring_beds(s.joint);
+  const std::vector<Pose> start = reference_poses(s.joint);
+  s.e = solve_equilibrium(s.joint, s.beds, make_load_case(model, s.joint, settings, 0, 1.0), start, start);
+  return s;
+}
+
+/// Nothing holds it, contacts press it: a part of its own, with a body of its own. Its force is E A d/h, its pressure even,
+/// it goes down by half of what the plate does, and no motion that nothing resists drifts.
+TEST(Parts, DiscBetweenPlates) {
+  const double E = 10, d = 0.1;
+  for (const double nu : {0.0, 0.3, 0.49}) {
+    const Solved s = solve(block_between_plates(E, nu, d).model);
+    ASSERT_EQ(s.joint.parts.size(), 1u);
+    const SoftPart& part = s.joint.parts[0];
+    EXPECT_TRUE(part.free());
+    EXPECT_EQ(s.joint.bodies[at(part.body)].name, "disc");
+    EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    const double F = E * 36 * d / 3;
+    EXPECT_NEAR(std::abs(s.e.contact_on_target[0][2]), F, 1e-6 * F);
+    EXPECT_NEAR(s.e.contact_on_target[1][2], -F, 1e-6 * F) << "the lower plate is pushed down";
+    EXPECT_LT((s.e.contact_on_target[0] + s.e.contact_on_target[1]).head<3>().norm(), 1e-8 * F);
+    const Pose& pose = s.e.poses[at(part.body)];
+    EXPECT_LT((pose.center - Vector3d(3, 3, 1.5 - d / 2)).norm(), 1e-7);
+    EXPECT_LT((pose.rotation - Eigen::Matrix3d::Identity()).norm(), 1e-7);
+    // even pressure on what has become wider by nu d/h
+    for (int i = 0; i < s.e.springs[0].size(); ++i)
+      EXPECT_NEAR(s.e.springs[0].pressure[at(i)] * std::pow(1 + nu * d / 3, 2), F / 36, 1e-5 * F / 36);
+    const Eigen::MatrixX3d& u = s.e.springs[0].part_motion[s.joint.contacts[0].layers[s.joint.contacts[0].source].part >= 0 ? 0 : 1];
+    ASSERT_EQ(u.rows(), part.mesh.size());
+    for (int i = 0; i < part.mesh.size(); ++i) {
+      const Vector3d x = part.mesh.nodes[at(i)] - Vector3d(3, 3, 1.5);
+      EXPECT_LT((u.row(i).transpose() - d / 3 * Vector3d(nu * x[0], nu * x[1], -x[2])).norm(), 1e-7);
+    }
+  }
+}
+
+/// Springs from both its ends along x to the lower plate press back as it widens: three unknown stresses and strains on
+/// paper. It needs the part's own motion at its ends, not that of its body, which stays.
+TEST(Parts, SpringsOnItsNodes) {
+  const double E = 10, nu = 0.3, d = 0.02, k = 30, L = 5;
+  Pressed in = block_between_plates(E, nu, d);
+  JointModel& model = in.model;
+  RigidNodes anchors;
+  anchors.material = in.lower;
+  const int block = 7 * 7 * 4;
+  for (int weight : {1, 2, 4}) {  // by the quarters of facets around a node
+    DiscreteSet set;
+    set.name = "springs " + std::to_string(weight);
+    for (int i = 0; i < block; ++i) {
+      const Vector3d x = model.nodes[at(i)];
+      if (std::abs(x[0] * (x[0] - 6)) > 1e-9) continue;
+      const int of = (std::abs(x[1] * (x[1] - 6)) < 1e-9 ? 1 : 2) * (std::abs(x[2] * (x[2] - 3)) < 1e-9 ? 1 : 2);
+      if (of != weight) continue;
+      const int anchor = static_cast<int>(model.nodes.size());
+      model.nodes.push_back(x + Vector3d(x[0] > 3 ? L : -L, 0, 0));
+      model.node_ids.push_back(anchor + 1);
+      anchors.nodes.push_back(anchor);
+      set.pairs.push_back({i, anchor});
+    }
+    model.discrete_sets.push_back(set);
+    DiscreteSprings springs;
+    springs.name = set.name;
+    springs.set = static_cast<int>(model.discrete_sets.size()) - 1;
+    springs.stiffness = k * weight / (6 * 3 * 4);
+    model.discrete_springs.push_back(springs);
+  }
+  model.rigid_nodes.push_back(anchors);
+  const Solved s = solve(model);
+  EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+  // E ex = sx - nu sz,  E ez = sz - nu sx,  ez = -d/h,  sx A = -k ex 6/2 with A = 18
+  const double ez = -d / 3, c = k * 3 / 18;
+  const double ex = -nu * ez * E / (E + c * (1 - nu * nu)), sx = -c * ex, sz = E * ez + nu * sx;
+  EXPECT_NEAR(s.e.contact_on_target[1][2], sz * 36, 1e-3 * 36 * std::abs(sz));
+  double pull = 0;
+  for (double force : s.e.ligament_force) pull += force / 2;
+  EXPECT_NEAR(pull, sx * 18, 5e-3 * std::abs(sx * 18)) << "they lean a little: the block's nodes go down";
+  EXPECT_LT(sx, -0.001);
+}
+
+/// A sphere on a block bonded below, against the exact layer; the block 6 thicknesses of the contact wide. `--part` names
+/// it: it would be a layer of cartilage otherwise.
+TEST(Parts, SphereOnABlockIsTheExactLayer) {
+  const double E = 10, nu = 0.45, t = 4, R = 20, d = 0.1;
+  const analytic::ParabolicPunch punch{[&](double k) { return analytic::flat_layer(E, nu, t, k); },
+                                       2 * (1 - nu * nu) / E, t, R};
+  const analytic::PunchResult exact = punch.sphere(d, 1.6 * std::sqrt(R * d));
+  std::vector<double> off;
+  for (const int n : {16, 24}) {
+    JointModel model = empty_model();
+    PartMesh mesh = block_of(ElementShape::Hex8, {n, n, n / 4}, {16, 16, t}, isotropic_stiffness(E, nu));
+    for (Vector3d& x : mesh.nodes) {
+      x -= Vector3d(8, 8, t);
+      for (int k = 0; k < 2; ++k) x[k] *= 0.35 + 0.65 * std::abs(x[k]) / 8;  // finer in the middle
+      x[2] *= 0.5 + 0.5 * std::abs(x[2]) / t;
+    }
+    add_block(model, mesh, "block", E, nu);
+    FixedNodes base;
+    base.xyz = {true, true, true};
+    for (int i = 0; i < mesh.size(); ++i)
+      if (mesh.nodes[at(i)][2] < 1e-9 - t) base.nodes.push_back(i);
+    model.fixed_nodes.push_back(base);
+    const int top = add_surface(model, "top", facets_at(mesh, 0, 1, 4));
+    const int ball = add_material(model, "ball", true);
+    const int sphere = add_rigid_surface(
+        model, "sphere", 20, 20,
+        [&](double u, double v) {
+          const double x = 10 * v - 5, y = 10 * u - 5;
+          return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
+        },
+        ball);
+    add_contact(model, "contact", top, sphere);
+    fix(model, ball, {true, true, false, true, true, true});
+    prescribe(model, ball, 2, -d);
+    Settings settings;
+    settings.part = {"block"};
+    const Solved s = solve(model, settings);
+    ASSERT_EQ(s.joint.parts.size(), 1u);
+    EXPECT_FALSE(s.joint.parts[0].free());
+    const double force = s.e.contact_on_target[0][2];
+    off.push_back(force / exact.force - 1);
+    EXPECT_NEAR(force / exact.force, 1, 0.02);
+    const double peak = *std::max_element(s.e.springs[0].pressure.begin(), s.e.springs[0].pressure.end());
+    EXPECT_NEAR(peak / exact.peak, 1, n == 16 ? 0.08 : 0.04);
+    // no checkerboard: well inside, two halves of a facet differ little
+    double most = 0;
+    for (int i = 0; i + 1 < s.e.springs[0].size(); i += 2) {
+      const double a = s.e.springs[0].pressure[at(i)], b = s.e.springs[0].pressure[at(i + 1)];
+      if (std::min(a, b) > 0.5 * peak) most = std::max(most, std::abs(a - b));
+    }
+    EXPECT_LT(most, 0.2 * peak);
+  }
+  EXPECT_LT(std::abs(off[1]), std::max(0.01, std::abs(off[0])));
+}
+
+/// The same disc, plates and motion turned by a right angle about x: the same force and the same shape.
+TEST(Parts, TurnedJointIsTheSame) {
+  const Pressed in = block_between_plates(10, 0.3, 0.1);
+  Pressed turned = in;
+  Eigen::Matrix3d R;
+  R << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // z becomes -y
+  for (Vector3d& x : turned.model.nodes) x = R * x;
+  turned.model.rigid_fixed[1].dofs = {true, false, true, true, true, true};
+  turned.model.rigid_prescribed[0].dof = 1;
+  turned.model.rigid_prescribed[0].value.factor = 0.1;
+  const Solved a = solve(in.model), b = solve(turned.model);
+  EXPECT_LT((R * Vector3d(a.e.contact_on_target[0].head<3>()) - b.e.contact_on_target[0].head<3>()).norm(), 1e-8);
+  for (int i = 0; i < a.e.springs[0].size(); ++i)
+    EXPECT_NEAR(a.e.springs[0].pressure[at(i)], b.e.springs[0].pressure[at(i)], 1e-8);
+}
+
+/// What cannot be taken into account is refused, with what to do.
+TEST(Parts, AreRefusedWithAReason) {
+  Pressed in = block_between_plates(10, 0.3, 0.1);
+  Settings linear;
+  linear.law = Law::Linear;
+  EXPECT_THROW(make_joint(in.model, linear), InputError);
+  Settings wrong;
+  wrong.part = {"upper"};
+  EXPECT_THROW(make_joint(in.model, wrong), UsageError) << "it is rigid";
+  RigidNodes a, b;  // held by both plates
+  a.material = in.upper;
+  b.material = in.lower;
+  for (int i = 0; i < 7 * 7 * 4; ++i)
+    if (in.model.nodes[at(i)][2] > 2.9)
+      a.nodes.push_back(i);
+    else if (in.model.nodes[at(i)][2] < 0.1)
+      b.nodes.push_back(i);
+  in.model.rigid_nodes = {a, b};
+  Settings named;
+  named.part = {"disc"};
+  EXPECT_THROW(make_joint(in.model, named), InputError);
+}
+
+}  // namespace
+}  // namespace dea::parts_test
