@@ -54,7 +54,7 @@ def run(who, words, folder):
     done = subprocess.run([*(start if who != "native" else [native]), *words], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, timeout=1200)
     seconds[who] += time.monotonic() - begin
     # how long it took or will take is said only where it took long
-    said = [re.sub(r"\d+ states? in .*|state \d+ of \d+.*\n", "", text.decode()) for text in (done.stdout, done.stderr)]
+    said = [re.sub(r"\d+ states? in .*|state \d+ of \d+.*\n|springs and layers\n", "", text.decode()) for text in (done.stdout, done.stderr)]
     return done.returncode, *said
 
 

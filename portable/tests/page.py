@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The page that solves, in a headless Chromium, against the native program: page.py DEA PAGE.html [CHECK...]
 
-Files are dropped as from a desktop. Numbers are those of the native program to 1e-12 of the largest of their kind. Exit code 77: there is no
+Files are dropped as from a desktop. Numbers are those of the native program to 1e-8 of the largest of their kind. Exit code 77: there is no
 chromedriver. Python's standard library only."""
 import csv
 import json
@@ -154,7 +154,8 @@ def same_numbers(found, expected, what):
             worst = max(worst, (apart, path))
         else:
             same(x, y, f"{what}: {path}")
-    true(worst[0] <= 1e-12, f"{what}: {worst[1]} is apart by {worst[0]:.1e}")
+    # a search for balance ends within its tolerance, 1e-9 of the load, and WebAssembly's logarithms lead it there by other digits
+    true(worst[0] <= 1e-8, f"{what}: {worst[1]} is apart by {worst[0]:.1e}")
     return worst
 
 
