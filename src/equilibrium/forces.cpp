@@ -58,6 +58,12 @@ double ligament_scale(const LoadCase& load_case, int ligament) {
   return at(ligament) < load_case.ligament_scale.size() ? load_case.ligament_scale[at(ligament)] : 1.0;
 }
 
+void add_contact_derivative(const SpringBed& bed, const ContactWrench& of, Evaluation& e) {
+  e.derivative.add(bed.target_body, bed.source_body, of.derivative);
+  for (const ContactWrench::Cross& other : of.cross)
+    e.derivative.add(bed.target_body, bed.source_body, other.bodies.target, other.bodies.source, other.derivative);
+}
+
 /// Springs of the active contacts, and what they do to their bodies.
 void press_contacts(Problem& problem, Evaluation& e) {
   const std::vector<SpringBed>& beds = problem.beds.beds;
@@ -82,9 +88,7 @@ void press_contacts(Problem& problem, Evaluation& e) {
       const int t = problem.beds.group_ties[g][k];
       const SpringBed& tie = problem.beds.ties[at(t)];
       PressedContact& of = pressed[group.size() + k];
-      e.derivative.add(tie.target_body, tie.source_body, of.wrench.derivative);
-      for (const ContactWrench::Cross& other : of.wrench.cross)
-        e.derivative.add(tie.target_body, tie.source_body, other.bodies.target, other.bodies.source, other.derivative);
+      add_contact_derivative(tie, of.wrench, e);
       e.ties[at(t)] = std::move(of.springs);
     }
     for (std::size_t k = 0; k < group.size(); ++k) {
@@ -99,9 +103,7 @@ void press_contacts(Problem& problem, Evaluation& e) {
     if (bed.layers) e.tolerance = problem.tolerance;
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
     e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();
-    e.derivative.add(bed.target_body, bed.source_body, w.derivative);
-    for (const ContactWrench::Cross& other : w.cross)
-      e.derivative.add(bed.target_body, bed.source_body, other.bodies.target, other.bodies.source, other.derivative);
+    add_contact_derivative(bed, w, e);
     e.contact_on_target[c] = w.wrench.head<6>();
     e.normal_force += w.normal_force;
   }

@@ -125,7 +125,9 @@ bool balanced(Search& s) {
     const bool unloaded = s.e.external.isZero(0) && s.e.ligaments.isZero(0) && s.problem.offset.isZero(0);
     if (!unloaded || !(s.size <= s.options.tolerance * s.most_load)) return false;
     s.solution.outcome = Outcome::Balanced;
-    s.solution.message = "nothing presses the bodies together: the surfaces have parted";
+    s.solution.message = s.e.load > 1e-3 * s.most_load
+                             ? fmt::format("balanced to {:.1e} of the largest load on the way", s.size / s.most_load)
+                             : "nothing presses the bodies together: the surfaces have parted";
     return true;
   }
   s.solution.outcome = Outcome::Balanced;

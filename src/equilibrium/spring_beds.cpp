@@ -84,11 +84,9 @@ struct TieEnd {
 };
 TieEnd tie_end(const Joint& joint, const SharedOperators& shared, int model_node) {
   for (std::size_t k = 0; k < joint.parts.size() && model_node >= 0; ++k) {
-    const std::vector<int>& nodes = joint.parts[k].model_nodes;
-    const auto place = std::lower_bound(nodes.begin(), nodes.end(), model_node);
-    const auto made = shared.parts.find(static_cast<int>(k));
-    if (place != nodes.end() && *place == model_node && made != shared.parts.end())
-      return {made->second, static_cast<int>(place - nodes.begin())};
+    const int node = joint.parts[k].node_of(model_node);
+    if (const auto made = shared.parts.find(static_cast<int>(k)); node >= 0 && made != shared.parts.end())
+      return {made->second, node};
   }
   return {};
 }

@@ -147,6 +147,18 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
   return rigid;
 }
 
+int add_body(Bodies& bodies, Body body) {
+  const std::string name = body.name;
+  const auto taken = [&] {
+    return std::any_of(bodies.bodies.begin(), bodies.bodies.end(),
+                       [&](const Body& other) { return other.name == body.name; });
+  };
+  for (int i = 2; taken(); ++i) body.name = fmt::format("{} ({})", name, i);
+  const int index = bodies.ground();
+  bodies.bodies.insert(bodies.bodies.end() - 1, std::move(body));
+  return index;
+}
+
 Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid, const std::vector<char>& layer_domains) {
   const std::vector<int> first = first_materials(model, rigid);
   Bodies result;

@@ -40,6 +40,9 @@ struct Bodies {
 Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid,
                    const std::vector<char>& layer_domains = {});
 
+/// Puts a body of no material before the ground; another of its name gets a number. Returns its index.
+int add_body(Bodies& bodies, Body body);
+
 /// The first of its materials that is rigid in the model, -1: the user takes all of them as rigid, or it has none.
 int rigid_in_model(const JointModel& model, const Body& body);
 

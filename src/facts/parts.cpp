@@ -99,18 +99,13 @@ void add_moved_bodies(ModelParts& parts) {
   for (const MovedNodes& moved : find_moved_nodes(model, body, parts.faults)) {
     Body found;
     found.name = moved.name;
-    const auto taken = [&](const std::string& name) {
-      return std::any_of(bodies.bodies.begin(), bodies.bodies.end(),
-                         [&](const Body& other) { return other.name == name; });
-    };
-    for (int i = 2; taken(found.name); ++i) found.name = fmt::format("{} ({})", moved.name, i);
     found.moved_by = moved.conditions;
     for (int node : moved.nodes)
       found.center_of_mass += model.nodes[at(node)] / static_cast<double>(moved.nodes.size());
-    const int index = bodies.ground();
+    const int index = add_body(bodies, std::move(found));
     for (int node : moved.nodes) parts.moved[at(node)] = index;
-    parts.findings.push_back({"nodes-taken-as-bone", {.body = found.name}, {{"nodes", moved.nodes.size()}}});
-    bodies.bodies.insert(bodies.bodies.end() - 1, std::move(found));
+    parts.findings.push_back(
+        {"nodes-taken-as-bone", {.body = bodies.bodies[at(index)].name}, {{"nodes", moved.nodes.size()}}});
   }
 }
 

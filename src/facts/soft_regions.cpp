@@ -24,14 +24,17 @@ struct Elements {
   Vector3d sum = Vector3d::Zero();  // of volume times centroid
 };
 
+/// Of the regions that are asked for.
 std::map<int, Elements> elements_by_region(const JointModel& model, const std::vector<char>& rigid,
-                                           const std::vector<int>& region) {
+                                           const std::vector<int>& region, const std::set<int>& asked) {
   std::map<int, Elements> regions;
+  if (asked.empty()) return regions;
   for (const Domain& d : model.domains) {
     if (d.material < 0 || rigid[at(d.material)] || is_shell(d.shape) || is_line(d.shape)) continue;
     const int n = nodes_per_element(d.shape);
     for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e) {
       const int* nodes = d.nodes.data() + static_cast<std::ptrdiff_t>(e) * n;
+      if (asked.count(region[at(nodes[0])]) == 0) continue;
       Elements& of = regions[region[at(nodes[0])]];
       ++of.of_material[d.material];
       of.nodes.insert(nodes, nodes + n);
@@ -41,6 +44,18 @@ std::map<int, Elements> elements_by_region(const JointModel& model, const std::v
     }
   }
   return regions;
+}
+
+/// The regions that have elements of a material that the user names.
+std::set<int> named_regions(const JointModel& model, const Settings& settings, const std::vector<int>& region) {
+  std::set<int> named;
+  for (const Domain& d : model.domains) {
+    if (d.material < 0 ||
+        std::count(settings.part.begin(), settings.part.end(), model.materials[at(d.material)].name) == 0)
+      continue;
+    for (const int node : d.nodes) named.insert(region[at(node)]);
+  }
+  return named;
 }
 
 /// Per region, its surfaces that sliding contacts press.
@@ -139,23 +154,25 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
                                           const std::vector<char>& rigid, const std::vector<int>& region,
                                           const Holders& holders, Bodies& bodies) {
   check_names(model, settings, rigid);
-  std::map<int, std::set<int>> in_contact = surfaces_in_contact(model, region);
+  const std::set<int> named_by_user = named_regions(model, settings, region);
+  std::set<int> asked = named_by_user, pressed_twice;
+  for (const auto& [root, surfaces] : surfaces_in_contact(model, region))
+    if (surfaces.size() > 1) pressed_twice.insert(root);
+  asked.insert(pressed_twice.begin(), pressed_twice.end());
   std::vector<SoftRegion> found;
-  for (const auto& [root, of] : elements_by_region(model, rigid, region)) {
+  for (const auto& [root, of] : elements_by_region(model, rigid, region, asked)) {
     SoftRegion soft;
     soft.region = root;
     const auto main = std::max_element(of.of_material.begin(), of.of_material.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
     soft.name = model.materials[at(main->first)].name;
-    const bool named = std::any_of(of.of_material.begin(), of.of_material.end(), [&](const auto& entry) {
-      return std::count(settings.part.begin(), settings.part.end(), model.materials[at(entry.first)].name) > 0;
-    });
+    const bool named = named_by_user.count(root) > 0, pressed = pressed_twice.count(root) > 0;
     const auto held = holders.of_region.find(root);
     const bool holds = held != holders.of_region.end() && !held->second.empty();
     const bool in_components =
         std::any_of(of.nodes.begin(), of.nodes.end(), [&](int node) { return holders.held_components[at(node)] != 0; });
-    const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && in_contact[root].size() > 1;
-    const bool hangs = !named && holds && in_contact[root].size() > 1 && !layers_said(model, settings, region, root) &&
+    const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && pressed;
+    const bool hangs = !named && holds && pressed && !layers_said(model, settings, region, root) &&
                        bone_behind(model, rigid, region, root, holders) < 0.5;
     if (!named && !alone && !hangs) continue;
     if (holds) {
@@ -167,13 +184,8 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
       own.name = soft.name;
       own.mass = of.volume;
       own.center_of_mass = of.volume > 0 ? Vector3d(of.sum / of.volume) : Vector3d::Zero();
-      const auto taken = [&](const std::string& name) {
-        return std::any_of(bodies.bodies.begin(), bodies.bodies.end(), [&](const Body& b) { return b.name == name; });
-      };
-      for (int i = 2; taken(own.name); ++i) own.name = fmt::format("{} ({})", soft.name, i);
-      soft.name = own.name;
-      soft.body = bodies.ground();
-      bodies.bodies.insert(bodies.bodies.end() - 1, std::move(own));
+      soft.body = add_body(bodies, std::move(own));
+      soft.name = bodies.bodies[at(soft.body)].name;
     }
     soft.form = named ? 0 : alone ? 1 : 2;
     found.push_back(std::move(soft));

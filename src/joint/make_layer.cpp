@@ -246,19 +246,25 @@ void finish_bare_surface(const ContactSide& in, Layer& layer) {
   layer.bone = layer.articular;
 }
 
-void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, const Support& support,
-                         LayerDraft& draft) {
-  Layer& layer = draft.layer;
-  layer.material = support.main_material();
-  std::set<int> nodes, materials;
-  for (const LayerElement& e : region_elements(in.parts, support.regions)) {
+/// Nodes of deformable parts, ascending, whose elements have volumes (check_volume). `materials`: takes up theirs.
+std::vector<int> sound_region(const ContactSide& in, const std::set<int>& regions, std::set<int>& materials) {
+  std::set<int> nodes;
+  for (const LayerElement& e : region_elements(in.parts, regions)) {
     const Domain& d = in.parts.model.domains[at(e.domain)];
     materials.insert(d.material);
     const int n = nodes_per_element(d.shape);
     for (int k = 0; k < n; ++k) nodes.insert(d.nodes[at(e.element * n + k)]);
     check_volume(in.parts.model, d, e.element);
   }
-  layer.region_nodes.assign(nodes.begin(), nodes.end());
+  return {nodes.begin(), nodes.end()};
+}
+
+void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, const Support& support,
+                         LayerDraft& draft) {
+  Layer& layer = draft.layer;
+  layer.material = support.main_material();
+  std::set<int> materials;
+  layer.region_nodes = sound_region(in, support.regions, materials);
   add_once(layer.findings, other_materials(in, layer.material, support.materials, materials));
   refuse_soft_support(in, support);
   find_bone(in, carried, support.regions, draft);
@@ -493,14 +499,8 @@ void finish_part_surface(const ContactSide& in, const Support& support, Layer& l
   layer.part = soft_region(in.parts, *support.regions.begin());
   layer.bone = layer.articular;
   layer.springs_at = SpringsAt::Articular;
-  std::set<int> nodes;
-  for (const LayerElement& e : region_elements(in.parts, support.regions)) {
-    const Domain& d = in.parts.model.domains[at(e.domain)];
-    const int n = nodes_per_element(d.shape);
-    for (int k = 0; k < n; ++k) nodes.insert(d.nodes[at(e.element * n + k)]);
-    check_volume(in.parts.model, d, e.element);
-  }
-  layer.region_nodes.assign(nodes.begin(), nodes.end());
+  std::set<int> materials;
+  layer.region_nodes = sound_region(in, support.regions, materials);
 }
 
 /// Modulus, thickness and what is beyond the rim, once both surfaces are known.

@@ -70,9 +70,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.mesh.shape.push_back(d.shape);
     part.mesh.material.push_back(d.material);
     part.mesh.elastic.push_back(elastic_of(model, material, part.name));
-    for (int k = 0; k < n; ++k)
-      part.mesh.element_node.push_back(
-          static_cast<int>(std::lower_bound(nodes_of.begin(), nodes_of.end(), nodes[k]) - nodes_of.begin()));
+    for (int k = 0; k < n; ++k) part.mesh.element_node.push_back(part.node_of(nodes[k]));
     part.mesh.begin.push_back(static_cast<int>(part.mesh.element_node.size()));
   });
   return part;

@@ -27,10 +27,11 @@ struct SoftPart {
   int body = -1;     ///< index into Joint::bodies: its frame moves with it
   int other = -1;    ///< a second body that holds it, -1: none
   PartMesh mesh;
-  std::vector<int> model_nodes;  ///< per node of the mesh: index of the model's node, ascending
-  std::vector<int> holder;       ///< per node: the body that holds it, -1: none
-  double depth = 0.0;            ///< how deep a partner may stand in it where the search begins [mm]
-  bool free() const;             ///< nothing holds it: `body` is its own
+  std::vector<int> model_nodes;       ///< per node of the mesh: index of the model's node, ascending
+  std::vector<int> holder;            ///< per node: the body that holds it, -1: none
+  double depth = 0.0;                 ///< how deep a partner may stand in it where the search begins [mm]
+  bool free() const;                  ///< nothing holds it: `body` is its own
+  int node_of(int model_node) const;  ///< number in the mesh of a node of the model, -1: it is none of its
 };
 
 struct ModelParts;

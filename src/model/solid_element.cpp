@@ -304,16 +304,6 @@ std::vector<ElementPoint> element_points(ElementShape shape, const std::vector<V
   return points;
 }
 
-Eigen::Matrix<double, 6, Eigen::Dynamic> mean_strain(const std::vector<ElementPoint>& points) {
-  Eigen::Matrix<double, 6, Eigen::Dynamic> sum = 0.0 * points.front().strain;
-  double volume = 0.0;
-  for (const ElementPoint& p : points) {
-    sum += p.volume * p.strain;
-    volume += p.volume;
-  }
-  return sum / volume;
-}
-
 Eigen::MatrixXd element_stiffness(const std::vector<ElementPoint>& points, const Matrix6d& D, double of_volume) {
   Matrix6d rest = D;
   rest.topLeftCorner<3, 3>().array() -= of_volume;

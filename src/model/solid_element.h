@@ -29,9 +29,6 @@ struct ElementPoint {
 };
 std::vector<ElementPoint> element_points(ElementShape shape, const std::vector<Vector3d>& nodes);
 
-/// Strain at the element's centre per displacement: what FEBio's averages over an element come to for a sound one.
-Eigen::Matrix<double, 6, Eigen::Dynamic> mean_strain(const std::vector<ElementPoint>& points);
-
 /// Integral of B^T D B [N/mm]. `of_volume`: the part of D that acts on the dilatation alone and is left out, D less
 /// of_volume m m^T; tetrahedra of four nodes have it at their nodes (src/springs/part_operator.h).
 Eigen::MatrixXd element_stiffness(const std::vector<ElementPoint>& points, const Matrix6d& D, double of_volume = 0.0);

@@ -37,9 +37,7 @@ BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, Shared
     std::shared_ptr<const PartOperator>& made = shared.parts[layer.part];
     if (!made) made = make_part(joint, part);
     of.part = made;
-    for (const int node : layer.articular.model_nodes)
-      of.part_node.push_back(static_cast<int>(std::lower_bound(part.model_nodes.begin(), part.model_nodes.end(), node) -
-                                              part.model_nodes.begin()));
+    for (const int node : layer.articular.model_nodes) of.part_node.push_back(part.node_of(node));
     of.part_quad = part_quads(layer.articular);
     return of;
   }
@@ -149,12 +147,10 @@ struct Together {
   std::vector<BodyPair> pairs;               ///< of the beds, each once
   std::vector<Eigen::Index> pair_of;         ///< per bed
 
-  explicit Together(const std::vector<PosedBed>& all) : beds(all) {
+  explicit Together(const std::vector<PosedBed>& all) : beds(all), parts(parts_of(all)) {
     for (const PosedBed& b : beds) {
       begin.push_back(begin.back() + b.bed->size());
       layer_of.push_back({index_of(b.bed->layers->source), index_of(b.bed->layers->target)});
-      for (const PartOperator* part : parts_of(*b.bed))
-        if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
       const BodyPair bodies{b.bed->source_body, b.bed->target_body};
       const auto known = std::find(pairs.begin(), pairs.end(), bodies);
       pair_of.push_back(known - pairs.begin());
@@ -254,15 +250,6 @@ std::vector<PartFeet> feet_on_parts(const Together& all, const std::vector<Sprin
     set_reach(feet[k], *all.parts[k]);
   }
   return feet;
-}
-
-/// How far feet have gone with a part that has moved, along their forces.
-Eigen::VectorXd gone_with(const PartFeet& feet, const Eigen::MatrixX3d& motion) {
-  Eigen::VectorXd gone = Eigen::VectorXd::Zero(feet.size());
-  for (int i = 0; i < feet.size(); ++i)
-    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1] && feet.area[at(i)] > 0; ++j)
-      gone[i] += feet.weight[at(j)].dot(motion.row(feet.node[at(j)]).transpose()) / feet.area[at(i)];
-  return gone;
 }
 
 /// What a spring under pressure shows: strains of both layers, and its own stiffness. `all`: its number among those of
@@ -392,7 +379,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   for (std::size_t k = 0; k < on_parts.size(); ++k) {
     contact.parts.push_back({all.parts[k], &on_parts[k]});
     if (const auto motion = moved.find(all.parts[k]); motion != moved.end())
-      overlap += gone_with(on_parts[k], motion->second);
+      overlap += along_forces(on_parts[k], motion->second);
   }
   double deepest = 0.0;
   for (std::size_t b = 0; b < beds.size(); ++b) {
@@ -450,7 +437,8 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
     remember(all, result.pressure, *memory);
     return false;
   }
-  Eigen::VectorXd own = local_compliance(contact);
+  Eigen::VectorXd own;  // of feet on parts, in a spring's place
+  if (!on_parts.empty()) own = local_compliance(contact);
   for (const PartFeet& on : on_parts) own += Eigen::Map<const Eigen::VectorXd>(on.scale.data(), own.size());
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active) continue;

@@ -99,9 +99,10 @@ struct ScaledContact {
       if (!(local[i] > 0)) local[i] = 1;
     soft.resize(local.size(), 0);
     for (const PartUnderFeet& of : contact.parts) {
-      const MatrixXd more = local.cwiseInverse().asDiagonal() * soft_motions(*of.part, *of.feet);
-      soft.conservativeResize(Eigen::NoChange, soft.cols() + more.cols());
-      soft.rightCols(more.cols()) = more;
+      for (const Eigen::MatrixX3d& motion : of.part->soft) {
+        soft.conservativeResize(Eigen::NoChange, soft.cols() + 1);
+        soft.rightCols<1>() = along_forces(*of.feet, motion).cwiseQuotient(local);
+      }
     }
   }
   /// Where a residual asks pressures to go, of feet that are `asked`.

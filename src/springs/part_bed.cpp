@@ -108,12 +108,26 @@ std::vector<PartQuad> part_quads(const SurfaceMesh& mesh) {
   return quads;
 }
 
-std::vector<const PartOperator*> parts_of(const SpringBed& bed) {
-  std::vector<const PartOperator*> parts;
-  if (!bed.layers) return parts;
+namespace {
+
+void add_parts(const SpringBed& bed, std::vector<const PartOperator*>& parts) {
+  if (!bed.layers) return;
   for (const BedLayer* of : {&bed.layers->source, &bed.layers->target})
     if (of->part && std::find(parts.begin(), parts.end(), of->part.get()) == parts.end())
       parts.push_back(of->part.get());
+}
+
+}  // namespace
+
+std::vector<const PartOperator*> parts_of(const SpringBed& bed) {
+  std::vector<const PartOperator*> parts;
+  add_parts(bed, parts);
+  return parts;
+}
+
+std::vector<const PartOperator*> parts_of(const std::vector<PosedBed>& beds) {
+  std::vector<const PartOperator*> parts;
+  for (const PosedBed& posed : beds) add_parts(*posed.bed, parts);
   return parts;
 }
 

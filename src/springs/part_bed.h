@@ -18,8 +18,9 @@ std::vector<PartQuad> part_quads(const SurfaceMesh& mesh);
 /// How the nodes of parts have moved, nodes x 3, in their frames; a part that is not there has not moved.
 using PartMotions = std::map<const PartOperator*, Eigen::MatrixX3d>;
 
-/// A bed's parts, each once: of its source, of its target.
+/// Parts, each once: of a bed's source and target, of all beds.
 std::vector<const PartOperator*> parts_of(const SpringBed& bed);
+std::vector<const PartOperator*> parts_of(const std::vector<PosedBed>& beds);
 
 /// What the ties of a bed do at a pose, as springs: `direction` from the target's end to the source's, `gap` minus what
 /// would be their elongation if they were straight lines through their tension and slope here; overlaps and pressures

@@ -184,10 +184,6 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int n
   return of;
 }
 
-}  // namespace
-
-namespace {
-
 /// Without its soft motions.
 PartOperator stiff_part(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
   PartOperator part;
@@ -317,13 +313,12 @@ MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd&
   return w;
 }
 
-MatrixXd soft_motions(const PartOperator& part, const PartFeet& feet) {
-  MatrixXd w = MatrixXd::Zero(feet.size(), static_cast<Index>(part.soft.size()));
+VectorXd along_forces(const PartFeet& feet, const Eigen::MatrixX3d& motion) {
+  VectorXd along = VectorXd::Zero(feet.size());
   for (int i = 0; i < feet.size(); ++i)
     for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1] && feet.area[at(i)] > 0; ++j)
-      for (Index c = 0; c < w.cols(); ++c)
-        w(i, c) += feet.weight[at(j)].dot(part.soft[at(c)].row(feet.node[at(j)]).transpose()) / feet.area[at(i)];
-  return w;
+      along[i] += feet.weight[at(j)].dot(motion.row(feet.node[at(j)]).transpose()) / feet.area[at(i)];
+  return along;
 }
 
 Eigen::MatrixX3d nodal_forces(const PartOperator& part, const PartFeet& feet, const VectorXd& pressure) {

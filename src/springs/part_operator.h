@@ -62,8 +62,9 @@ void set_reach(PartFeet& feet, const PartOperator& part);
 /// negative.
 Eigen::MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
 
-/// Per foot and soft motion: how far it goes along its force, N_i^T u / A_i.
-Eigen::MatrixXd soft_motions(const PartOperator& part, const PartFeet& feet);
+/// Per foot: how far it goes along its force as the nodes move (nodes x 3), N_i^T u / A_i; 0 where it stands on
+/// nothing.
+Eigen::VectorXd along_forces(const PartFeet& feet, const Eigen::MatrixX3d& motion);
 
 /// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame. `other`: the second
 /// holder's motion: translation of `center`, rotation.

@@ -45,10 +45,7 @@ std::vector<SpringStates> gaps_of(const std::vector<PosedBed>& beds) {
 std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds, const PressOptions& options,
                                                PressMemory* memory) {
   constexpr int kMostRounds = 60;
-  std::vector<const PartOperator*> parts;
-  for (const PosedBed& posed : beds)
-    for (const PartOperator* part : parts_of(*posed.bed))
-      if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
+  const std::vector<const PartOperator*> parts = parts_of(beds);
   PressMemory own;
   if (!parts.empty() && memory == nullptr) memory = &own;
   PartMotions moved;
