@@ -1,4 +1,5 @@
-// Nodes, elements, sets and shell thickness: Geometry (up to 2.5), Mesh, MeshDomains and MeshData (3.0, 4.0).
+// Nodes, elements, sets, shell thickness and axes of elements: Geometry (up to 2.5), Mesh, MeshDomains and MeshData
+// (3.0, 4.0).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -514,7 +515,8 @@ void read_surface_pair(Reading& reading, const XMLElement& section) {
   add_named(reading, section, reading.surface_pairs, name, pair, "surface pair");
 }
 
-// -- shell thickness ---------------------------------------------------------------------------------
+// -- data of elements: shell thickness, fibres, axes
+// ---------------------------------------------------------------------------------
 
 /// Places of the elements of a set, in its order; domains come in file order.
 std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement& element, const std::string& name) {
@@ -560,11 +562,34 @@ void set_thickness(Reading& reading, const XMLElement& element, const ElementPla
   }
 }
 
-void read_thickness(Reading& reading, const XMLElement& section) {
+/// The direction of an element's fibres.
+void set_fibre(Reading& reading, const XMLElement& element, const ElementPlace& place) {
+  Domain& domain = reading.model.domains[at(place.domain)];
+  domain.fibre.resize(domain.element_ids.size(), Vector3d::Zero());
+  domain.fibre[at(place.index)] = read_vector(reading, element).normalized();
+}
+
+/// Its material axes, <a> and <d>.
+void set_axes(Reading& reading, const XMLElement& element, const ElementPlace& place) {
+  const XMLElement *a = element.FirstChildElement("a"), *d = element.FirstChildElement("d");
+  const auto axes = a != nullptr && d != nullptr ? axes_from(read_vector(reading, *a), read_vector(reading, *d))
+                                                 : std::optional<Eigen::Matrix3d>();
+  if (!axes)
+    fail(reading, element,
+         "material axes, expected <a> and <d>, two vectors that do not lie along each other: mend them");
+  Domain& domain = reading.model.domains[at(place.domain)];
+  domain.axes.resize(domain.element_ids.size(), Eigen::Matrix3d::Zero());
+  domain.axes[at(place.index)] = *axes;
+}
+
+using SetOfElement = void (*)(Reading&, const XMLElement&, const ElementPlace&);
+
+/// Calls `set` for each <e lid="k"> of a section of MeshData, or for all elements where the section is a value itself.
+void read_by_element(Reading& reading, const XMLElement& section, SetOfElement set) {
   const std::vector<ElementPlace> places =
       places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
   if (is_leaf(section)) {
-    for (const ElementPlace& place : places) set_thickness(reading, section, place);
+    for (const ElementPlace& place : places) set(reading, section, place);
   }
   for (const XMLElement& child : children(section)) {
     const int lid = read_id(reading, child, "lid");
@@ -572,15 +597,18 @@ void read_thickness(Reading& reading, const XMLElement& section) {
       fail(reading, child,
            fmt::format("lid = {}, but the element set has {} elements: mend the number", lid, places.size()));
     }
-    set_thickness(reading, child, places[at(lid) - 1]);
+    set(reading, child, places[at(lid) - 1]);
   }
 }
 
-/// Data of the elements at these places: only thickness matters, not fibres and axes.
+/// Data of the elements at these places.
 void read_data(Reading& reading, const XMLElement& element, const std::vector<ElementPlace>& places) {
   for (const XMLElement& child : children(element)) {
-    if (std::strcmp(child.Name(), "thickness") != 0) continue;
+    const std::string_view tag = child.Name();
     for (const ElementPlace& place : places) {
+      if (tag == "fiber") set_fibre(reading, child, place);
+      if (tag == "mat_axis") set_axes(reading, child, place);
+      if (tag != "thickness") continue;
       if (is_shell(reading.model.domains[at(place.domain)].shape)) {
         set_thickness(reading, child, place);
       } else {
@@ -875,8 +903,11 @@ void read_mesh_data(Reading& reading, const XMLElement& element) {
   const std::string variable = attribute(element, element.Attribute("var") != nullptr ? "var" : "type");
   const std::string what = fmt::format("{} {}", element.Name(), quote(variable));
   const bool of_elements = std::strcmp(element.Name(), "ElementData") == 0;
+  const std::string last = variable.substr(variable.find_last_of('.') + 1);  // of "solid[0].fiber", too
   if (of_elements && variable == "shell thickness") {
-    read_thickness(reading, element);
+    read_by_element(reading, element, set_thickness);
+  } else if (of_elements && (last == "fiber" || last == "mat_axis") && !is_leaf(element)) {
+    read_by_element(reading, element, last == "fiber" ? set_fibre : set_axes);
   } else if (std::strcmp(element.Name(), "SurfaceData") == 0 && element.Attribute("name") != nullptr) {
     read_surface_map(reading, element, what);
   } else if (of_elements && names_modulus(variable)) {

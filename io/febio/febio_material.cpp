@@ -37,6 +37,8 @@ void leave_out(const Reading& reading, const Component& part, const std::string&
       {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
+constexpr const char* kGroundMatrix = "what is pressed of a layer is the matrix around them";
+
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {
   std::string type = {};  ///< nested types after a slash
@@ -46,6 +48,8 @@ struct Stiffness {
   /// An uncoupled material: its bulk stiffness is a number of its own, K = k.
   bool uncoupled = false;
   double k = 0.0;
+  std::vector<Fibres> fibres = {};
+  std::optional<Matrix6d> of_axes = {};
 };
 
 void add_note(std::string& note, const std::string& more) {
@@ -106,6 +110,97 @@ double sum_of_c(const Component& material, std::string& why) {
 }
 
 Stiffness stiffness_of(const Reading& reading, const Component& material);
+
+/// Whole numbers in a text, "1,2,3"; fewer where there are none.
+std::vector<int> node_places(const std::string& text) {
+  std::vector<int> places;
+  std::string_view rest = text;
+  double value = 0.0;
+  do {
+    if (febio::take_double(rest, value) != febio::Number::Ok) break;
+    places.push_back(static_cast<int>(value) - 1);
+  } while (febio::take_comma(rest));
+  return places;
+}
+
+std::optional<Vector3d> vector_in(const std::string& text) {
+  std::string_view rest = text;
+  Vector3d v;
+  for (int k = 0; k < 3; ++k)
+    if ((k > 0 && !febio::take_comma(rest)) || febio::take_double(rest, v[k]) != febio::Number::Ok) return std::nullopt;
+  if (!(v.norm() > 0)) return std::nullopt;
+  return v;
+}
+
+/// <fiber>: FEBio's default is along x.
+Direction direction_of(const Component& material) {
+  Direction of;
+  const Component* fiber = find(material, "fiber");
+  if (fiber == nullptr) return of;
+  of.by = Direction::By::Unknown;
+  const std::string& type = fiber->type;
+  const Component* inside = find(*fiber, "vector");
+  if (const auto v = vector_in(inside != nullptr ? inside->text : fiber->text);
+      v && (type.empty() || type == "vector")) {
+    of.by = Direction::By::Vector;
+    of.vector = v->normalized();
+  } else if (const std::vector<int> places = node_places(fiber->text); type == "local" && places.size() >= 2) {
+    of.by = Direction::By::Nodes;
+    of.nodes = {places[0], places[1]};
+    if (of.nodes[0] < 0 && of.nodes[1] < 0) of.nodes = {0, 1};  // "0,0"
+  } else if (type == "user" || type == "map") {
+    of.by = Direction::By::Element;
+  }
+  return of;
+}
+
+Axes axes_of(const Component& material) {
+  Axes axes;
+  const Component* given = find(material, "mat_axis");
+  if (given == nullptr) return axes;
+  axes.by = Axes::By::Unknown;
+  const Component *a = find(*given, "a"), *d = find(*given, "d");
+  const auto along = a ? vector_in(a->text) : Vector3d(Vector3d::UnitX());
+  const auto across = d ? vector_in(d->text) : Vector3d(Vector3d::UnitY());
+  if ((given->type == "vector" || (given->type.empty() && a != nullptr)) && along && across) {
+    axes.by = Axes::By::Vectors;
+    axes.a = *along;
+    axes.d = *across;
+    if (!axes_from(axes.a, axes.d))
+      axes.d = std::abs(along->normalized().x()) > 0.999 ? Vector3d::UnitY() : Vector3d::UnitX();
+  } else if (const std::vector<int> places = node_places(given->text); given->type == "local" && places.size() >= 3) {
+    axes.by = Axes::By::Nodes;
+    axes.nodes = {places[0], places[1], places[2]};
+    if (places[0] < 0 && places[1] < 0 && places[2] < 0) axes.nodes = {0, 1, 3};  // "0,0,0"
+  } else if (given->type == "user" || given->type == "map") {
+    axes.by = Axes::By::None;
+  }
+  return axes;
+}
+
+/// What is known of the fibres of a material or of a part of a mixture.
+Fibres fibres_of(const Component& m, bool deviatoric) {
+  Fibres fibres;
+  fibres.deviatoric = deviatoric;
+  fibres.direction = direction_of(m);
+  const std::string& type = m.type_or_tag();
+  std::string why;
+  const auto constant = [&](const char* name, double fallback) { return constant_of(m, name, fallback, why); };
+  if (type.rfind("trans iso", 0) == 0 || type.find("fiber-exp-linear") != type.npos) {
+    fibres.law = Fibres::Law::ExpLinear;
+    const char* end = find(m, "lam_max") != nullptr ? "lam_max" : "lambda";
+    fibres.c = {constant("c3", 0), constant("c4", 0), constant("c5", 0), constant(end, 1)};
+    if (fibres.c[0] == 0 && fibres.c[1] > 0)  // FEBio's: the curve is to be smooth
+      fibres.c[0] = fibres.c[2] / fibres.c[1] * std::exp(-fibres.c[1] * (fibres.c[3] - 1));
+  } else if (one_of(type, {"fiber-exp-pow", "fiber-exponential-power-law"}) && constant("mu", 0) == 0 &&
+             constant("lam0", 1) == 1) {
+    fibres.law = Fibres::Law::ExpPow;
+    fibres.c = {constant("alpha", 0), constant("beta", 2), constant("ksi", 0), 0};
+    if (!(fibres.c[1] >= 2)) fibres.law = Fibres::Law::Unknown;
+  }
+  if (!why.empty()) fibres.law = Fibres::Law::Unknown;
+  return fibres;
+}
 
 /// Fibres alone: they pull in tension only and leave the small-strain stiffness in compression to the others.
 bool is_fibre(const std::string& type) {
@@ -179,8 +274,6 @@ std::vector<Stiffness> nested(const Reading& reading, const Component& material,
   return parts;
 }
 
-constexpr const char* kGroundMatrix = "what is pressed is the matrix around them";
-
 /// Sum of the parts; `k` is the top-level bulk modulus of an uncoupled mixture.
 Stiffness mixture(const Reading& reading, const Component& m) {
   const std::string& type = m.type_or_tag();
@@ -193,6 +286,9 @@ Stiffness mixture(const Reading& reading, const Component& m) {
     if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag()))
       leave_out(reading, part, fmt::format("the fibres {} of its {}", quote(part.type_or_tag()), quote(type)),
                 kGroundMatrix);
+  for (const Component& part : m.parts)
+    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag()))
+      sum.fibres.push_back(fibres_of(part, uncoupled));
   for (const Stiffness& part : nested(reading, m, {"solid", "elastic", "mat"})) {
     if (!types.empty()) types += "+";
     types += part.type;
@@ -201,6 +297,7 @@ Stiffness mixture(const Reading& reading, const Component& m) {
       continue;
     }
     add_note(sum.note, part.note);
+    sum.fibres.insert(sum.fibres.end(), part.fibres.begin(), part.fibres.end());
     G += part.G;
     lambda += part.lambda;
     if (uncoupled && reading.nested_k_adds) k += part.k;
@@ -279,6 +376,7 @@ Stiffness stiffness_of(const Reading& reading, const Component& m) {
     Stiffness s = from_E_and_v(reading, m);
     add_note(s.note, "ground matrix, fibres left out");
     leave_out(reading, m, fmt::format("the fibres of {}", quote(type)), kGroundMatrix);
+    s.fibres.push_back({});
     return s;
   }
   Stiffness s;
@@ -287,6 +385,7 @@ Stiffness stiffness_of(const Reading& reading, const Component& m) {
     if (type.rfind("trans iso", 0) == 0) {
       add_note(s.note, "ground matrix, fibres left out");
       leave_out(reading, m, fmt::format("the fibres of {}", quote(type)), kGroundMatrix);
+      s.fibres.push_back(fibres_of(m, true));
     }
     set_uncoupled(s, *G, constant_of(m, "k", 0.0, s.note));
     return s;
@@ -312,7 +411,16 @@ Stiffness stiffness_of(const Reading& reading, const Component& m) {
                     "biphasic", "biphasic-solute", "triphasic", "multiphasic"})) {
     return wrapped(reading, m);
   }
-  if (type == "orthotropic elastic") return unknown(type, "orthotropic, no single E and nu");
+  if (type == "orthotropic elastic") {
+    s.note = "orthotropic, no single E and nu";
+    std::string why;
+    const auto constant = [&](const char* name) { return constant_of(m, name, 0, why); };
+    s.of_axes = orthotropic_stiffness({constant("E1"), constant("E2"), constant("E3")},
+                                      {constant("G12"), constant("G23"), constant("G31")},
+                                      {constant("v12"), constant("v23"), constant("v31")});
+    if (!why.empty()) s.of_axes.reset();
+    return s;
+  }
   const std::string meant = misspelt_type(type);
   return unknown(type, fmt::format("no small-strain E and nu are known for type {}{}", quote(type),
                                    meant.empty() ? "" : fmt::format(": did you mean {}?", quote(meant))));
@@ -329,6 +437,9 @@ void set_elasticity(Material& material, const Component& given, bool nested_k_ad
   material.E = s.E;
   material.nu = s.nu;
   material.note = s.note;
+  material.fibres = std::move(s.fibres);
+  material.stiffness = s.of_axes;
+  material.axes = axes_of(given);
 }
 
 void set_density(Material& material, const Component& given, const JointModel& model, std::string& why) {

@@ -426,7 +426,7 @@ PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed,
                          {XpltGroup::Domain, T::Vec3, F::Region, "rigid force", "F"},
                          {XpltGroup::Domain, T::Vec3, F::Region, "rigid torque", "F.L"},
                          {XpltGroup::Domain, T::Vec3, F::Region, "rigid position", "L"}};
-  if (inside) {
+  if (inside || !joint.parts.empty()) {
     head.file.variables.push_back({XpltGroup::Domain, T::Mat3s, F::Item, "stress", "P"});
     head.file.variables.push_back({XpltGroup::Domain, T::Mat3s, F::Item, "Lagrange strain", ""});
   }
@@ -436,7 +436,8 @@ PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed,
 
 XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead& head, const StateResult& result) {
   constexpr std::size_t kRigidForce = 1, kStress = 4;  // in the dictionary of plot_head
-  const std::size_t on_surfaces = kStress + (head.inside ? 2 : 0);
+  const bool stress = head.inside || !joint.parts.empty();
+  const std::size_t on_surfaces = kStress + (stress ? 2 : 0);
   const Equilibrium& e = result.equilibrium;
   XpltState state;
   state.time = number(result.when.time);
@@ -449,7 +450,7 @@ XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead
   state.variables[0].push_back({0, std::move(displacements)});
   add_rigid_bodies(head.material_of_domain, joint, e, kRigidForce, state);
   add_surface_fields(model, head.surface, joint, result.fields, surface_fields(head.inside), on_surfaces, state);
-  if (head.inside) add_inside_fields(model, result.inside, kStress, state);
+  if (stress) add_inside_fields(model, with_parts(model, joint, result.parts, result.inside), kStress, state);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b)
     if (!joint.bodies[b].ground) state.objects.push_back(rigid_body_state(e.poses[b], e.reaction[b]));
   return state;

@@ -78,7 +78,7 @@ bool advance(Problem& problem, Evaluation& e, VectorXd direction) {
   const double unit = surface_motion(problem, e, direction);
   if (unit <= 0) return false;
   direction /= unit;
-  const double cap = 0.5 * problem.beds.least_thickness;
+  const double cap = problem.beds.longest_step;
   for (int i = 0; i < 20 && !touching(e); ++i) {
     const double gap = first_touch(problem, e, direction);
     if (!std::isfinite(gap)) return false;

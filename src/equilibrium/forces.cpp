@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 
 namespace dea {
 
@@ -75,15 +76,20 @@ void press_contacts(Problem& problem, Evaluation& e) {
   for (const SpringBed& bed : beds) motions.push_back(free_motions(problem, bed));
   const PressOptions options = {kAllMotions, problem.tolerance, rate_tolerance(problem.tolerance), problem.stop};
   std::vector<ContactWrench> wrenches(beds.size());
+  const TieLaw law = [&](int ligament, double length) -> std::optional<Tension> {
+    if (!problem.load_case.ligament_active[at(ligament)]) return std::nullopt;
+    return tension(problem.joint.ligaments[at(ligament)], length, ligament_scale(problem.load_case, ligament));
+  };
+  std::vector<std::vector<PressedContact>> of_group(problem.beds.groups.size());
+  parallel_for(of_group.size(), [&](std::size_t g) {
+    const std::vector<int>& group = problem.beds.groups[g];
+    if (std::any_of(group.begin(), group.end(), [&](int c) { return active[at(c)] != 0; }))
+      of_group[g] = press_group(problem.beds, group, e.poses, motions, active, options, &problem.memory[g], law);
+  });
   for (std::size_t g = 0; g < problem.beds.groups.size(); ++g) {
     const std::vector<int>& group = problem.beds.groups[g];
-    if (std::none_of(group.begin(), group.end(), [&](int c) { return active[at(c)] != 0; })) continue;
-    const TieLaw law = [&](int ligament, double length) -> std::optional<Tension> {
-      if (!problem.load_case.ligament_active[at(ligament)]) return std::nullopt;
-      return tension(problem.joint.ligaments[at(ligament)], length, ligament_scale(problem.load_case, ligament));
-    };
-    std::vector<PressedContact> pressed =
-        press_group(problem.beds, group, e.poses, motions, active, options, &problem.memory[g], law);
+    std::vector<PressedContact>& pressed = of_group[g];
+    if (pressed.empty()) continue;
     for (std::size_t k = 0; k < problem.beds.group_ties[g].size(); ++k) {
       const int t = problem.beds.group_ties[g][k];
       const SpringBed& tie = problem.beds.ties[at(t)];

@@ -67,7 +67,7 @@ Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::
 std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>& started, const Evaluation& e,
                                  const VectorXd& motion, double unbalanced) {
   const Travel gone = travel(problem, started, e.poses);
-  const double cap = 0.5 * problem.beds.least_thickness;
+  const double cap = problem.beds.longest_step;
   return fmt::format(
       "{:.3g}% of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses;",
       100.0 * unbalanced,

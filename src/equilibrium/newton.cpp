@@ -223,9 +223,17 @@ bool follow_load(Search& s) {
   return true;
 }
 
+/// The gaps under pressed parts were found where these have moved: else pressures mean nothing.
+bool parts_fit(const Evaluation& e) {
+  return std::all_of(e.springs.begin(), e.springs.end(), [](const SpringStates& s) {
+    return s.complementary || (s.part_motion[0].size() == 0 && s.part_motion[1].size() == 0);
+  });
+}
+
 /// The residual at another pose without the components that are held at the iterate; springs that lost their target
 /// count as residual.
 double residual_at(const Search& s, const Evaluation& trial) {
+  if (!parts_fit(trial)) return kInfinity;
   VectorXd r = scaled_residual(s.problem, trial);
   if (!s.d.held.empty()) {
     MatrixXd left_unbalanced = s.d.left_unbalanced;
@@ -365,7 +373,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   const std::vector<Pose> started = e.poses;
   Patience patient{static_cast<double>(options.patience), static_cast<double>(options.patience)};
   patient.paid = problem.casts;
-  Search s{problem, options, started, 0.5 * problem.beds.least_thickness, std::move(e), patient};
+  Search s{problem, options, started, problem.beds.longest_step, std::move(e), patient};
   for (;;) {
     s.r = scaled_residual(problem, s.e);
     s.d = directions_at(s, s.r);

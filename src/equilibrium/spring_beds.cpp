@@ -165,6 +165,8 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
             std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));
     }
   }
+  // on the way pressures push parts aside: what lies opposite must not change much in a step
+  beds.longest_step = (joint.parts.empty() ? 0.5 : 0.1) * beds.least_thickness;
   beds.ties = tie_beds(joint, beds.beds, shared);
   beds.groups = groups_of(beds.beds, beds.ties);
   for (const std::vector<int>& group : beds.groups) {

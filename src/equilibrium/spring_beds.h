@@ -19,7 +19,8 @@ struct SpringBeds {
   double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
   double stiffest = 0.0;         ///< stiffest_layer
-  double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
+  double least_thickness = 1.0;  ///< of the layers
+  double longest_step = 0.5;     ///< a pose step moves no surface by more
 };
 /// `stop`: looked at between the contacts; throws Stopped.
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop = nullptr);

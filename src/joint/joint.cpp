@@ -467,8 +467,10 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.contacts = std::move(contacts.contacts);
   try {
     joint.parts = make_parts(parts);
-    for (std::size_t k = 0; k < joint.parts.size(); ++k)
+    for (std::size_t k = 0; k < joint.parts.size(); ++k) {
       add_once(joint.findings, {part_finding(parts, k, joint.parts[k])});
+      add_once(joint.findings, fibre_findings(parts, k));
+    }
     joint.shared_layers = find_shared_layers(parts, joint.contacts, joint.findings);
   } catch (const InputError& error) {
     found.faults = {error.fault};

@@ -1,6 +1,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
@@ -11,23 +13,85 @@ namespace dea {
 
 namespace {
 
-/// The stiffness of a material at small strain. InputError: the model does not tell it.
-Matrix6d elastic_of(const JointModel& model, const Material& m, const std::string& part) {
-  if (m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
-  throw fault_at(
-      model, m.origin,
-      say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
-      say("give the part a material with a stiffness, or take it as rigid with {}", NamedSetting{"rigid", "", m.name}));
+/// An element of a region.
+struct RegionElement {
+  const Domain& domain;
+  std::size_t place;  ///< in the domain
+  const int* nodes;
+  int count;
+  Vector3d at_node(const JointModel& model, int k) const {
+    return k >= 0 && k < count ? model.nodes[at(nodes[k])] : Vector3d(Vector3d::Constant(kNaN));
+  }
+};
+
+/// The material's axes in an element, as FEBio has them: its own take the material's place. Nothing: they are not
+/// known.
+std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElement& e, const Axes& axes) {
+  if (!e.domain.axes.empty() && !e.domain.axes[e.place].isZero(0)) return e.domain.axes[e.place];
+  switch (axes.by) {
+    case Axes::By::None:
+      return Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    case Axes::By::Vectors:
+      return axes_from(axes.a, axes.d);
+    case Axes::By::Nodes: {
+      const Vector3d from = e.at_node(model, axes.nodes[0]);
+      return axes_from(e.at_node(model, axes.nodes[1]) - from, e.at_node(model, axes.nodes[2]) - from);
+    }
+    case Axes::By::Unknown:
+      break;
+  }
+  return std::nullopt;
 }
 
-/// Calls `use(domain, nodes, n)` for each element of a region.
+/// Along the fibres in an element; nothing: it is not known.
+std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e, const Material& m, const Fibres& of) {
+  const std::optional<Eigen::Matrix3d> Q = axes_in(model, e, m.axes);
+  const Direction& direction = of.direction;
+  Vector3d v = Vector3d::UnitX();
+  if (!e.domain.fibre.empty() && !e.domain.fibre[e.place].isZero(0))
+    v = e.domain.fibre[e.place];
+  else if (direction.by == Direction::By::Vector)
+    v = direction.vector;
+  else if (direction.by == Direction::By::Nodes)
+    v = (e.at_node(model, direction.nodes[1]) - e.at_node(model, direction.nodes[0])).normalized();
+  else if (direction.by == Direction::By::Unknown)
+    return std::nullopt;
+  if (!Q || !(v.norm() > 0.5)) return std::nullopt;  // NaN, too
+  return Vector3d(*Q * v);
+}
+
+/// The stiffness of a material at small strain. InputError: the model does not tell it. Fibres that are not known are
+/// left out (fibre_findings tells of them).
+Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part) {
+  const JointModel& model = parts.model;
+  Matrix6d D;
+  if (const auto Q = m.stiffness ? axes_in(model, e, m.axes) : std::nullopt) {
+    D = turned_stiffness(*m.stiffness, *Q);
+  } else if (m.E > 0 && m.nu > -1 && m.nu < 0.5) {
+    D = isotropic_stiffness(m.E, m.nu);
+  } else {
+    throw fault_at(
+        model, m.origin,
+        m.stiffness ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
+                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
+        say("give the part a material with a stiffness, or take it as rigid with {}",
+            NamedSetting{"rigid", "", m.name}));
+  }
+  for (const Fibres& of : m.fibres)
+    if (const auto along = fibre_in(model, e, m, of))
+      D += fibre_stiffness(fibre_modulus(of, parts.settings.fibre_strain.value_or(0.0)), of.deviatoric, *along);
+  return D;
+}
+
+/// Calls `use(element)` for each element of a region.
 template <class Use>
 void for_each_element(const ModelParts& parts, int region, const Use& use) {
   for (const Domain& d : parts.model.domains) {
     if (!deformable(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e)
-      if (const int* nodes = d.nodes.data() + e * at(n); parts.region[at(nodes[0])] == region) use(d, nodes, n);
+      if (const int* nodes = d.nodes.data() + e * at(n); parts.region[at(nodes[0])] == region)
+        use(RegionElement{d, e, nodes, n});
   }
 }
 
@@ -49,7 +113,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   part.other = soft.other;
   std::vector<int>& nodes_of = part.model_nodes;
   for_each_element(parts, soft.region,
-                   [&](const Domain&, const int* nodes, int n) { nodes_of.insert(nodes_of.end(), nodes, nodes + n); });
+                   [&](const RegionElement& e) { nodes_of.insert(nodes_of.end(), e.nodes, e.nodes + e.count); });
   std::sort(nodes_of.begin(), nodes_of.end());
   nodes_of.erase(std::unique(nodes_of.begin(), nodes_of.end()), nodes_of.end());
   Eigen::AlignedBox3d box;
@@ -60,7 +124,8 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.holder.push_back(holders.empty() ? -1 : holders.front());
   }
   part.depth = 0.5 * box.sizes().minCoeff();
-  for_each_element(parts, soft.region, [&](const Domain& d, const int* nodes, int n) {
+  for_each_element(parts, soft.region, [&](const RegionElement& e) {
+    const Domain& d = e.domain;
     const Material& material = model.materials[at(d.material)];
     if (!has_stiffness(d.shape))
       throw fault_at(
@@ -69,14 +134,49 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
           "mesh it with hex8, hex20, hex27, penta6, penta15, tet4, tet10, tet15 or pyra5");
     part.mesh.shape.push_back(d.shape);
     part.mesh.material.push_back(d.material);
-    part.mesh.elastic.push_back(elastic_of(model, material, part.name));
-    for (int k = 0; k < n; ++k) part.mesh.element_node.push_back(part.node_of(nodes[k]));
+    part.elements.push_back({static_cast<int>(&d - model.domains.data()), static_cast<int>(e.place)});
+    const auto along = material.fibres.empty() ? std::nullopt : fibre_in(model, e, material, material.fibres.front());
+    part.mesh.fibre.push_back(along.value_or(Vector3d::Zero()));
+    part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name));
+    for (int k = 0; k < e.count; ++k) part.mesh.element_node.push_back(part.node_of(e.nodes[k]));
     part.mesh.begin.push_back(static_cast<int>(part.mesh.element_node.size()));
   });
   return part;
 }
 
 }  // namespace
+
+Findings fibre_findings(const ModelParts& parts, std::size_t region) {
+  const JointModel& model = parts.model;
+  const SoftRegion& soft = parts.soft[region];
+  std::map<int, std::vector<char>> known;  // per material and fibres: in every element
+  for_each_element(parts, soft.region, [&](const RegionElement& e) {
+    const Material& m = model.materials[at(e.domain.material)];
+    std::vector<char>& of = known.try_emplace(e.domain.material, m.fibres.size(), 1).first->second;
+    for (std::size_t k = 0; k < of.size(); ++k)
+      of[k] = of[k] && m.fibres[k].law != Fibres::Law::Unknown && fibre_in(model, e, m, m.fibres[k]);
+  });
+  Findings findings;
+  for (const auto& [material, of] : known)
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const Material& m = model.materials[at(material)];
+      const Fibres& fibres = m.fibres[k];
+      const double strain = parts.settings.fibre_strain.value_or(0.0);
+      findings.push_back({"part-fibres",
+                          {},
+                          {{"part", soft.name},
+                           {"material", m.name},
+                           {"type", m.type},
+                           {"modulus", fibre_modulus(fibres, strain)},
+                           {"strain", 100 * strain},
+                           {"at_0", fibre_modulus(fibres, 0.0)},
+                           {"at_3", fibre_modulus(fibres, 0.03)},
+                           {"at_6", fibre_modulus(fibres, 0.06)},
+                           {"give", NamedSetting{"fibre-strain", "", "0.03"}}},
+                          of[k] ? 0 : 1});
+    }
+  return findings;
+}
 
 std::vector<SoftPart> make_parts(const ModelParts& parts) {
   std::vector<SoftPart> made;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/finding.h"
 #include "src/model/solid_element.h"
 
 namespace dea {
@@ -17,8 +18,14 @@ struct PartMesh {
   std::vector<Matrix6d> elastic;  ///< per element, stress per strain [MPa]; one: of all
   int elements() const { return static_cast<int>(shape.size()); }
   int size() const { return static_cast<int>(nodes.size()); }
+  std::vector<Vector3d> fibre;  ///< per element, along its first fibres; zero: there are none, or it is not known
   const Matrix6d& stiffness(int element) const { return elastic[elastic.size() == 1 ? 0 : at(element)]; }
   std::vector<Vector3d> corners(int element) const;  ///< where its nodes are
+};
+
+/// An element of the model.
+struct PartElement {
+  int domain = -1, place = -1;  ///< index into JointModel::domains, in it
 };
 
 /// A meniscus, a disc, a labrum: it gives way as its elements do (docs/parts.md).
@@ -27,6 +34,7 @@ struct SoftPart {
   int body = -1;     ///< index into Joint::bodies: its frame moves with it
   int other = -1;    ///< a second body that holds it, -1: none
   PartMesh mesh;
+  std::vector<PartElement> elements;  ///< per element of the mesh
   std::vector<int> model_nodes;       ///< per node of the mesh: index of the model's node, ascending
   std::vector<int> holder;            ///< per node: the body that holds it, -1: none
   double depth = 0.0;                 ///< how deep a partner may stand in it where the search begins [mm]
@@ -38,5 +46,8 @@ struct ModelParts;
 
 /// The soft regions of a model, in their order. InputError: a material or an element of one has no known stiffness.
 std::vector<SoftPart> make_parts(const ModelParts& parts);
+
+/// What is taken of the fibres of a region of ModelParts::soft (`part-fibres`).
+Findings fibre_findings(const ModelParts& parts, std::size_t region);
 
 }  // namespace dea

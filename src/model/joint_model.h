@@ -17,10 +17,9 @@
 #include "src/base/numbers.h"
 #include "src/model/element_shape.h"
 #include "src/model/settings.h"
+#include "src/model/stiffness.h"
 
 namespace dea {
-
-using Eigen::Vector3d;
 
 /// A place in the model's files: `files[file]`, 1-based `line`. line 0: no place (not from a text file).
 struct Origin {
@@ -36,6 +35,8 @@ struct Domain {
   std::vector<int> element_ids;         ///< as in the file
   std::vector<int> nodes;               ///< node indices (zero-based), nodes_per_element(shape) each
   std::vector<double> shell_thickness;  ///< one per element node; empty: none given
+  std::vector<Vector3d> fibre;          ///< per element, along its fibres, in the material's axes; zero: none given
+  std::vector<Eigen::Matrix3d> axes;    ///< per element, its own axes as columns; zero: none given
   Origin origin;
 };
 
@@ -86,6 +87,9 @@ struct Material {
   double E = kNaN;                         ///< small-strain Young's modulus; NaN: see `note`
   double nu = kNaN;                        ///< small-strain Poisson's ratio; NaN: see `note`
   std::string note;                        ///< how E and nu were found ("drained solid"), or why there are none
+  std::vector<Fibres> fibres;              ///< what E and nu leave out; only parts have use for it
+  std::optional<Matrix6d> stiffness;       ///< in its own axes, where no E and nu tell it
+  Axes axes;
   Origin origin;
 };
 

@@ -342,6 +342,10 @@ std::vector<SettingOption> all_options() {
        "Take what is of this deformable material as a part that gives way as its elements do; may be repeated [what "
        "contacts press and nothing holds]",
        [](S& s, Text, Text text) { add_once(s.part, text); }, [](const S& s) { return one(s.part); }},
+      {"fibre-strain", nullptr, false, "STRAIN", nullptr, kJoint,
+       "Strain at which the fibres of parts that give way have their stiffness: they are taken as linear [0]",
+       [](S& s, Text, Text text) { s.fibre_strain = parse_length(text); },
+       [](const S& s) { return number_or_nothing(s.fibre_strain); }},
       {"attach", "surface", false, "BODY", nullptr, kJoint,
        "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]",
        [](S& s, Text key, Text text) { s.attach[key] = text; }, [](const S& s) { return by_name(s.attach); }},

@@ -256,14 +256,6 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> strains(const Eigen::MatrixXd& gradient
 
 }  // namespace
 
-Matrix6d isotropic_stiffness(double E, double nu) {
-  const double G = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
-  Matrix6d D = Matrix6d::Zero();
-  D.topLeftCorner<3, 3>().setConstant(lambda);
-  D.diagonal() << lambda + 2 * G, lambda + 2 * G, lambda + 2 * G, G, G, G;
-  return D;
-}
-
 bool has_stiffness(ElementShape shape) {
   return element_type(shape).kind == ElementKind::Solid && shape != Shape::Tet5 && shape != Shape::Tet20 &&
          shape != Shape::Pyra13;

@@ -5,15 +5,9 @@
 
 #include "src/model/element_shape.h"
 #include "src/model/joint_model.h"
+#include "src/model/stiffness.h"
 
 namespace dea {
-
-/// Strains xx, yy, zz, xy, yz, xz with shears as angles (engineering); stresses in the same order.
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-/// Stress per strain of an isotropic material [MPa].
-Matrix6d isotropic_stiffness(double E, double nu);
 
 /// Is the shape's stiffness known? Not that of tetrahedra with a node inside (they lock), cubic ones, and of pyramids
 /// with 13 nodes.

@@ -8,6 +8,7 @@
 #include "src/equilibrium/times.h"
 #include "src/results/fields.h"
 #include "src/results/inside_fields.h"
+#include "src/results/part_results.h"
 #include "src/results/statistics.h"
 
 namespace dea {
@@ -18,6 +19,7 @@ struct StateResult {
   std::vector<ContactFields> fields;          ///< one per contact
   std::vector<ContactStatistics> statistics;  ///< one per contact
   std::vector<LayerStatistics> layers;        ///< one per shared layer of the joint
+  std::vector<PartStress> parts;              ///< one per deformable part of the joint
   std::vector<Vector3d> displacements;        ///< one per model node
   std::vector<InsideDomain> inside;           ///< of deformable solid elements; empty: not asked for
 };

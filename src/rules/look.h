@@ -24,6 +24,7 @@ Findings pressed_nearest_thickness(const JointModel& model, const Joint& joint, 
 Findings drained_cartilage(const JointModel& model, const Joint& joint);
 Findings large_strains(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings softening_material(const JointModel& model, const Joint& joint, const SolvedStates& result);
+Findings strained_parts(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // facets.cpp
 Findings long_facets(const JointModel& model, const Joint& joint);
 Findings few_springs(const JointModel& model, const Joint& joint, const SolvedStates& result);

@@ -57,6 +57,24 @@ Findings large_strains(const JointModel&, const Joint& joint, const SolvedStates
   return found;
 }
 
+/// Small strain of parts holds to about half of what they are strained, and their turns to the square of it.
+Findings strained_parts(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  constexpr double kStrain = 0.1, kTurn = 0.1;
+  Findings found;
+  for (std::size_t k = 0; k < joint.parts.size(); ++k) {
+    double strain = 0.0, turn = 0.0;
+    for (const StateResult& state : result.states) {
+      if (k >= state.parts.size()) continue;
+      strain = std::max(strain, state.parts[k].largest_strain);
+      turn = std::max(turn, state.parts[k].largest_turn);
+    }
+    if (strain > kStrain || turn > kTurn)
+      found.push_back(
+          {"part-strained", {}, {{"part", joint.parts[k].name}, {"strain", 100 * strain}, {"turn", turn * 180 / kPi}}});
+  }
+  return found;
+}
+
 /// A material that FEBio softens where cartilage stiffens: beyond small strains dea's laws are another material.
 Findings softening_material(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   constexpr double kSmall = 0.03;

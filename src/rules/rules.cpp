@@ -175,6 +175,12 @@ std::vector<Rule> all_rules() {
              "surface \"{surface}\": {nodes:count} {nodes?node|nodes} of its layer ({nodes}) {nodes?is|are} held by "
              "body \"{holder}\", not by its own, \"{body}\": that hold is left out"}}),
       // ---- the numbers are off: the most first
+      of_result(
+          "part-strained", "Load it less, or use FEBio: parts are linear.",
+          {{W,
+            "part \"{part}\" is strained by {strain:.3g}% and turned by {turn:.3g} degrees somewhere: beyond about 10% "
+            "and 6 degrees what it bears and where it goes are no more than near"}},
+          strained_parts),
       of_result("large-strain", "Check load, modulus, thickness and units.",
                 {{W,
                   "contact \"{contact}\": at time {time} cartilage is pressed together by {percent:.0f}% of its "
@@ -456,6 +462,16 @@ std::vector<Rule> all_rules() {
             {N,
              "\"{part}\" is a part on body \"{body}\" and no layer, for behind most of what contacts press of it there "
              "is no bone: it gives way as its {elements} elements do; {rigid} takes it as rigid"}}),
+      told("part-fibres",
+           "Look at the modulus: of fibres that stiffen as they are drawn it depends on how far they are.",
+           {{N,
+             "the fibres of \"{material}\" ({type}) in part \"{part}\" add {modulus:.4g} along them, as at a strain of "
+             "{strain:g}% (at 0, 3 and 6%: {at_0:.4g}, {at_3:.4g}, {at_6:.4g}; {give} takes that at 3%); they are "
+             "linear and resist being shortened, too"},
+            {W,
+             "the fibres of \"{material}\" ({type}) in part \"{part}\" are left out, for their law or their direction "
+             "is "
+             "given in a way that is not read: what gives way is the matrix around them"}}),
       told("center-of-mass-left-out", "Give the centre of mass of the body's first material.",
            {{N,
              "material \"{material}\": its centre of mass {x:.4g},{y:.4g},{z:.4g} is left out, as in FEBio: it shares "

@@ -128,6 +128,8 @@ void drop_fields(StateResult& state) {
     }
   for (LayerStatistics& layer : state.layers) std::vector<double>().swap(layer.pressure);
   std::vector<InsideDomain>().swap(state.inside);
+  for (PartStress& part : state.parts)
+    for (auto* tensors : {&part.stress, &part.strain}) std::vector<SymmetricTensor>().swap(*tensors);
   std::vector<Vector3d>().swap(state.displacements);  // "= {}" would keep the memory
 }
 
@@ -138,6 +140,7 @@ void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMap
   state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
   state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
   state.layers = layer_statistics(prepared.joint, maps, state.fields);
+  state.parts = part_stress(prepared.joint, e);
   if (inside == nullptr) return;
   InsideResults results = inside_results(*inside, prepared.joint, prepared.beds, e);
   for (std::size_t c = 0; c < results.contacts.size(); ++c)

@@ -356,13 +356,35 @@ void remember(const Together& all, const Eigen::VectorXd& pressure, PressMemory&
   memory.change = memory.motion = Eigen::VectorXd();
   memory.source.clear();
   memory.target.clear();
+  memory.part_rates.clear();
   for (std::size_t m = 0; m < all.pairs.size(); ++m) {
     memory.source.push_back(all.bed_of(static_cast<Eigen::Index>(m)).source);
     memory.target.push_back(all.bed_of(static_cast<Eigen::Index>(m)).target);
   }
 }
 
+/// How the nodes of parts move as pressures do.
+std::vector<Eigen::MatrixXd> part_rates(const Together& all, const std::vector<PartFeet>& feet,
+                                        const Eigen::MatrixXd& rates) {
+  std::vector<Eigen::MatrixXd> of_parts;
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    of_parts.emplace_back(displacements(*all.parts[k], nodal_forces(*all.parts[k], feet[k], rates)));
+  return of_parts;
+}
+
 }  // namespace
+
+PartMotions motions_to_start_from(const std::vector<PosedBed>& beds, const PressMemory& memory) {
+  const Together all(beds);
+  PartMotions moved;
+  if (memory.part_motion.size() != all.parts.size()) return moved;
+  const Eigen::VectorXd motion = motion_since(memory, all);
+  for (std::size_t k = 0; k < all.parts.size(); ++k) {
+    Eigen::MatrixX3d& of = moved[all.parts[k]] = memory.part_motion[k];
+    if (memory.part_rates.size() == all.parts.size()) of += by_node(memory.part_rates[k] * motion);
+  }
+  return moved;
+}
 
 bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& states, const PressOptions& options,
                   PressMemory* memory, PartMotions& moved, double& misfit) {
@@ -433,7 +455,8 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   const bool fits = start.size() > 0 && result.first_residual <= kFits * search.tolerance;
   if (!all.parts.empty() && !fits) {
     for (std::size_t k = 0; k < on_parts.size(); ++k)
-      moved[all.parts[k]] = displacements(*all.parts[k], nodal_forces(*all.parts[k], on_parts[k], result.pressure));
+      moved[all.parts[k]] =
+          by_node(displacements(*all.parts[k], nodal_forces(*all.parts[k], on_parts[k], result.pressure)));
     remember(all, result.pressure, *memory);
     return false;
   }
@@ -480,6 +503,7 @@ bool press_layers(const std::vector<PosedBed>& beds, std::vector<SpringStates>& 
   if (motion.size() > 0) change = nearly - memory->nearly;
   remember(all, result.pressure, *memory);
   memory->rates = rates;
+  memory->part_rates = part_rates(all, on_parts, rates);
   memory->nearly = std::move(nearly);
   memory->change = std::move(change);
   memory->motion = std::move(motion);

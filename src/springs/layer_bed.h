@@ -29,6 +29,9 @@ LayerFeet feet_on_target(const SpringBed& bed, const SpringStates& states, const
 /// `area`: of each spring that carries one. Without columns.
 LayerFeet feet_on_source(const LayerBed& layers, const Eigen::VectorXd& area);
 
+/// How parts have probably moved at these poses: by what the memory has of the last ones.
+PartMotions motions_to_start_from(const std::vector<PosedBed>& beds, const PressMemory& memory);
+
 /// Fills pressures, strains, rates and the target's parts of springs that carry nothing yet; their gaps, overlaps, feet
 /// and areas must be there. All contacts that share layers are one problem (L4) over the union of their feet. `states`:
 /// one per bed; of those that are not active, empty. `memory`: as in press_springs.

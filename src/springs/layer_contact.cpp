@@ -1,5 +1,6 @@
 #include "src/springs/layer_contact.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -77,6 +78,11 @@ MatrixXd spread(const LayerContact& contact, const MatrixXd& force) {
 
 namespace {
 
+void mask(const std::vector<char>& asked, MatrixXd& m) {
+  for (Index i = 0; i < m.rows(); ++i)
+    if (!asked[at(i)]) m.row(i).setZero();
+}
+
 /// The contact divided by the local compliance: B p = b with B = C/local, b = overlap/local, and the inner product
 /// <u, v> = sum of A_i local_i u_i v_i in which B is symmetric. Its eigenvalues are those of law(s)/law(infinity).
 struct ScaledContact {
@@ -85,8 +91,11 @@ struct ScaledContact {
   VectorXd weight;  // 0: takes no part
   int applications = 0;
   double stride = 1.0;  // by which the near inverse leads too short
-  MatrixXd soft;        // pressures that move parts along their softest motions: the largest eigenvalues are theirs
-  VectorXd least;       // per foot: the least pressure, 0 or none
+  Nodal soft;           // V: V V^T W is nearly what of B parts do (PartOperator::soft): the largest eigenvalues
+  MatrixXd taken;       // X: (1 + V V^T W)^-1 = T T*, T = 1 + V X V^T W, on the feet of `face`
+  std::vector<char> face;
+  static constexpr std::size_t kOther = 50;  // one foot in so many other than in `face` changes little
+  VectorXd least;                            // per foot: the least pressure, 0 or none
 
   explicit ScaledContact(const LayerContact& c) : contact(c), local(local_compliance(c)) {
     for (const PartUnderFeet& of : contact.parts)
@@ -97,21 +106,60 @@ struct ScaledContact {
       if (contact.two_sided[i]) least[static_cast<Index>(i)] = -kInfinity;
     for (Index i = 0; i < local.size(); ++i)
       if (!(local[i] > 0)) local[i] = 1;
-    soft.resize(local.size(), 0);
+    Index motions = 0;
+    for (const PartUnderFeet& of : contact.parts) motions += of.part->soft.cols();
+    soft.resize(local.size(), motions);
+    motions = 0;
     for (const PartUnderFeet& of : contact.parts) {
-      for (const Eigen::MatrixX3d& motion : of.part->soft) {
-        soft.conservativeResize(Eigen::NoChange, soft.cols() + 1);
-        soft.rightCols<1>() = along_forces(*of.feet, motion).cwiseQuotient(local);
-      }
+      soft.middleCols(motions, of.part->soft.cols()) =
+          local.cwiseInverse().asDiagonal() * along_forces(*of.feet, of.part->soft);
+      motions += of.part->soft.cols();
     }
   }
-  /// Where a residual asks pressures to go, of feet that are `asked`.
-  MatrixXd way(const std::vector<char>& asked, const MatrixXd& residual) const {
+  /// Where a residual asks pressures to go, of feet that are `asked`; it is zero at all others. With 1 + V V^T W for
+  /// what parts do, and T T* its inverse: by T of the near inverse of T*.
+  MatrixXd way(const std::vector<char>& asked, const MatrixXd& residual) {
+    if (soft.cols() == 0) return near_way(asked, residual);
+    look_at(asked);
+    MatrixXd way = residual + soft * (taken.transpose() * (soft.transpose() * (weight.asDiagonal() * residual)));
+    mask(asked, way);
+    way = near_way(asked, way);
+    way += soft * (taken * (soft.transpose() * (weight.asDiagonal() * way)));
+    mask(asked, way);
+    return way;
+  }
+  MatrixXd near_way(const std::vector<char>& asked, const MatrixXd& residual) const {
     MatrixXd way = residual;
-    for (Index i = 0; i < way.rows(); ++i)
-      if (!asked[at(i)]) way.row(i).setZero();
     for (const PressedLayer& of : contact.layers) add_near_inverse(*of.layer, *of.feet, weight, asked, residual, way);
     return way;
+  }
+  /// Sets `taken` for these feet, if they are not about those of the last time. With G = V^T W V = L L^T and
+  /// 1 + L^T L = M M^T: X = L^-T (M^-T - 1) L^-1.
+  void look_at(const std::vector<char>& asked) {
+    std::size_t count = 0, other = 0;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      count += asked[i];
+      other += face.empty() || asked[i] != face[i];
+    }
+    if (kOther * other <= count) return;
+    face = asked;
+    VectorXd on = weight;
+    for (Index i = 0; i < on.size(); ++i)
+      if (!asked[at(i)]) on[i] = 0;
+    const Index n = soft.cols();
+    const Nodal scaled = on.cwiseSqrt().asDiagonal() * soft;
+    MatrixXd G = MatrixXd::Zero(n, n);
+    G.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+    G.diagonal().array() += 1e-10 * G.diagonal().maxCoeff();
+    const Eigen::LLT<MatrixXd> of_G(G);
+    const MatrixXd L = of_G.matrixL();
+    MatrixXd one = L.transpose() * L;
+    one.diagonal().array() += 1;
+    const Eigen::LLT<MatrixXd> of_one(one);
+    MatrixXd X = of_one.matrixU().solve(MatrixXd::Identity(n, n));
+    X.diagonal().array() -= 1;
+    of_G.matrixU().solveInPlace(X);
+    taken = of_G.matrixL().transpose().solve(X.transpose()).transpose();
   }
   MatrixXd apply(const MatrixXd& p) {
     ++applications;
@@ -125,33 +173,6 @@ struct ScaledContact {
       bound = std::max(bound, of.layer->law.largest() / of.layer->law.local);
     return bound;
   }
-};
-
-/// Parts hang on little, and what pushes them whole moves them far: eigenvalues of B along their soft motions are as
-/// large as all others are small. Conjugate gradients that know these ways need no steps for them: each way is made
-/// conjugate to all of them, and what the residual has along them is taken away at once (deflation; Saad, Yeung, Erhel
-/// and Guyomarc'h 2000, SIAM J Sci Comput 21:1909).
-class Deflation {
- public:
-  /// `known`: masked ways, zero at feet that are not asked; `seen`: what B makes of them, masked.
-  Deflation(const ScaledContact& B, MatrixXd known, MatrixXd seen)
-      : B_(B), known_(std::move(known)), seen_(std::move(seen)) {
-    energy_ = known_.transpose() * B_.weight.asDiagonal() * seen_;
-  }
-  /// The part of the solution for a residual that lies along the known ways: their shares.
-  MatrixXd shares(const MatrixXd& residual) const {
-    return solve_least_norm(energy_, known_.transpose() * B_.weight.asDiagonal() * residual);
-  }
-  const MatrixXd& known() const { return known_; }
-  const MatrixXd& seen() const { return seen_; }
-  /// The way, made conjugate to all that is known.
-  void conjugate(MatrixXd& way) const {
-    way -= known_ * solve_least_norm(energy_, seen_.transpose() * B_.weight.asDiagonal() * way);
-  }
-
- private:
-  const ScaledContact& B_;
-  MatrixXd known_, seen_, energy_;
 };
 
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
@@ -171,8 +192,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
   const Index n = p.size();
   std::vector<char> face(at(static_cast<int>(n)), 0), before;
   VectorXd free = VectorXd::Zero(n), d, Bd;
-  std::optional<Deflation> soft;  // on the face
-  double curvature = 0;           // of d; 0: there is none to be conjugate to
+  double curvature = 0;  // of d; 0: there is none to be conjugate to
   double& stride = B.stride;
   while (!(complementarity(B, p, z) <= goal) && B.applications < options.max_applications) {
     end_if_stopped(options.stop);
@@ -181,23 +201,7 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
       face[at(i)] = B.weight[i] > 0 && (p[i] > B.least[i] || z[i] < 0);
       free[i] = face[at(i)] ? z[i] : 0.0;
     }
-    if (B.soft.cols() > 0 && (!soft || face != before)) {
-      MatrixXd known = B.soft;
-      const auto mask = [&](MatrixXd& m) {
-        for (Index i = 0; i < n; ++i)
-          if (!face[at(i)]) m.row(i).setZero();
-      };
-      mask(known);
-      MatrixXd seen = B.apply(known);
-      mask(seen);
-      soft.emplace(B, std::move(known), std::move(seen));
-    }
-    MatrixXd ahead = B.way(face, free);
-    if (soft) {
-      soft->conjugate(ahead);
-      ahead += soft->known() * soft->shares(free);
-    }
-    const VectorXd way = ahead.col(0);
+    const VectorXd way = B.way(face, free).col(0);
     if (curvature > 0 && face == before)
       d = way - B.dot(way, Bd) / curvature * d;
     else
@@ -222,6 +226,59 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const
     p = (p + length * step).cwiseMax(B.least);
     z += length * change;
   }
+}
+
+/// The same problem where parts are among what gives way: a foot whose pressure is cut off moves them all, so that a
+/// way that is cut is none any more. The feet that touch are guessed, their pressures found, some of these are less
+/// than nothing and some gaps are, and so on (primal-dual active set; Hintermueller, Ito and Kunisch 2003, SIAM J Optim
+/// 13:865). It needs no more than some guesses or goes round in circles: then solve_bounded begins at the best.
+void solve_by_guesses(ScaledContact& B, VectorXd& p, VectorXd& z, double goal, const LayerContactOptions& options) {
+  constexpr int kInVain = 6;     // guesses
+  constexpr double kPart = 0.1;  // of the residual, in the norm of what it moves, is left by the next guess
+  const Index n = p.size();
+  std::vector<char> face(at(static_cast<int>(n)), 0);
+  VectorXd best_p = p, best_z = z;
+  double best = complementarity(B, p, z);
+  bool whole = true;
+  for (int in_vain = 0; in_vain < kInVain && best > goal && B.applications < options.max_applications;) {
+    // what was cut off moves everything: only where nothing was, gaps tell which feet come to touch
+    for (Index i = 0; i < n; ++i) face[at(i)] = B.weight[i] > 0 && (p[i] > B.least[i] || (whole && z[i] < 0));
+    const double enough = 0.3 * goal * p.cwiseAbs().maxCoeff();
+    MatrixXd r = z, d;
+    mask(face, r);
+    double along = 0, first = 0;
+    while (r.cwiseAbs().maxCoeff() > enough && B.applications < options.max_applications) {
+      end_if_stopped(options.stop);
+      const MatrixXd way = B.way(face, r);
+      const double next = B.dot(r.col(0), way.col(0));
+      d = along > 0 ? MatrixXd(way + next / along * d) : way;
+      along = next;
+      first = std::max(first, along);
+      if (along < kPart * kPart * first) break;
+      const VectorXd change = B.apply(d).col(0);
+      const double bend = B.dot(d.col(0), change);
+      if (!(bend > 0) || !(along > 0)) break;  // nothing but rounding is left
+      const double length = along / bend;
+      p -= length * d.col(0);
+      z -= length * change;
+      r = z;
+      mask(face, r);
+    }
+    const VectorXd cut = p.cwiseMax(B.least) - p;
+    whole = cut.isZero(0.0);
+    if (!whole) {
+      p += cut;
+      z += B.apply(cut).col(0);
+    }
+    const double now = complementarity(B, p, z);
+    if (whole) in_vain = now < 0.9 * best ? 0 : in_vain + 1;
+    if (!(now < best)) continue;
+    best = now;
+    best_p = p;
+    best_z = z;
+  }
+  p = best_p;
+  z = best_z;
 }
 
 }  // namespace
@@ -275,7 +332,9 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     // Newton's step squares the error: no need to solve it closer than that
     const double goal =
         linear ? tolerance : std::max(0.3 * tolerance, 0.3 * std::min(0.1, result.residual) * result.residual);
-    solve_bounded(B, p, z, goal, options);
+    VectorXd to_solve = z;
+    if (B.soft.cols() > 0) solve_by_guesses(B, p, to_solve, goal, options);
+    solve_bounded(B, p, std::move(to_solve), goal, options);
   }
   result.active.resize(at(n));
   for (Index i = 0; i < n; ++i) result.active[at(i)] = p[i] > B.least[i] && B.weight[i] > 0;
@@ -291,14 +350,10 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   const Index columns = overlap_rates.cols();
   std::vector<char> asked(active);
   for (Index i = 0; i < overlap_rates.rows(); ++i) asked[at(i)] = active[at(i)] && B.weight[i] > 0;
-  const auto mask = [&](MatrixXd& m) {
-    for (Index i = 0; i < m.rows(); ++i)
-      if (!asked[at(i)]) m.row(i).setZero();
-  };
   // conjugate gradients for all columns in step: a sparse solution of several columns costs little more than one
   ActiveRates result;
   MatrixXd r = B.local.cwiseInverse().asDiagonal() * overlap_rates;
-  mask(r);
+  mask(asked, r);
   VectorXd size(columns), goal(columns);
   const auto measure = [&] {
     for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
@@ -306,26 +361,23 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   measure();
   goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
-  std::optional<Deflation> known;  // where it starts, and parts' soft motions
-  if (start.size() > 0 || B.soft.cols() > 0) {
-    assert(start.size() == 0 || (start.rows() == r.rows() && start.cols() == columns));
-    // the best that can be made of them, columns mixed: it leaves nothing of the residual along them, nor do later
-    // steps
-    MatrixXd ways(r.rows(), start.cols() + B.soft.cols());
-    if (start.size() > 0) ways.leftCols(start.cols()) = start;
-    ways.rightCols(B.soft.cols()) = B.soft;
-    mask(ways);
-    MatrixXd seen = B.apply(ways);
-    mask(seen);
-    known.emplace(B, std::move(ways), std::move(seen));
-    const MatrixXd share = known->shares(r);
-    result.pressure = known->known() * share;
-    r -= known->seen() * share;
+  MatrixXd known, seen, energy;
+  if (start.size() > 0) {
+    assert(start.rows() == r.rows() && start.cols() == columns);
+    // the best that can be made of it, columns mixed: it leaves nothing of the residual along it
+    known = start;
+    mask(asked, known);
+    seen = B.apply(known);
+    mask(asked, seen);
+    energy = known.transpose() * B.weight.asDiagonal() * seen;
+    const MatrixXd share = solve_least_norm(energy, known.transpose() * B.weight.asDiagonal() * r);
+    result.pressure = known * share;
+    r -= seen * share;
     measure();
   }
   const auto way_on = [&]() -> MatrixXd {
     MatrixXd way = B.way(asked, r);
-    if (known) known->conjugate(way);
+    if (known.cols() > 0) way -= known * solve_least_norm(energy, seen.transpose() * B.weight.asDiagonal() * way);
     return way;
   };
   MatrixXd way = way_on(), d = way;
@@ -334,7 +386,7 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   while ((size.array() > goal.array()).any() && B.applications < kMaxSteps) {
     end_if_stopped(stop);
     MatrixXd Bd = B.apply(d);
-    mask(Bd);
+    mask(asked, Bd);
     bool moved = false;
     for (Index c = 0; c < columns; ++c) {
       const double curvature = B.dot(d.col(c), Bd.col(c));

@@ -85,12 +85,77 @@ void end_foot(PartFeet& feet, double area, double soft) {
 
 }  // namespace
 
+namespace {
+
+/// Of so many patches of about the same size, the one each triangle is in: around triangles as far from each other as
+/// can be.
+std::vector<int> patches_of(const SurfaceMesh& mesh, int count) {
+  std::vector<int> patch(at(mesh.size()), 0);
+  std::vector<double> distance(patch.size(), kInfinity);
+  const auto middle = [&](int t) { return Vector3d((mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3); };
+  int seed = 0;
+  for (int p = 0; p < std::min(count, mesh.size()); ++p) {
+    const Vector3d from = middle(seed);
+    for (int t = 0; t < mesh.size(); ++t)
+      if (const double d = (middle(t) - from).squaredNorm(); d < distance[at(t)]) {
+        distance[at(t)] = d;
+        patch[at(t)] = p;
+      }
+    seed = static_cast<int>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+  }
+  return patch;
+}
+
+/// Forces on the nodes of a part that are like those of contacts and ligaments: pressures on patches of its surfaces,
+/// and smooth forces on all of it.
+Nodal forces_like_contact(const Joint& joint, const SoftPart& of, const std::vector<double>& volume) {
+  constexpr int kPatches = 100;  // less often the search is led too far, more each step costs
+  const int n = of.mesh.size();
+  double area = 0.0;
+  std::vector<const SurfaceMesh*> surfaces;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      if (layer.part >= 0 && &joint.parts[at(layer.part)] == &of) {
+        surfaces.push_back(&layer.spring_surface());
+        area += surface_extent(*surfaces.back()).area;
+      }
+  std::vector<VectorXd> forces;
+  for (const SurfaceMesh* mesh : surfaces) {
+    const int count = static_cast<int>(std::ceil(kPatches * surface_extent(*mesh).area / area));
+    const std::vector<int> patch = patches_of(*mesh, count);
+    const std::size_t first = forces.size();
+    forces.resize(first + at(count), VectorXd::Zero(3 * n));
+    for (int t = 0; t < mesh->size(); ++t)
+      for (const int v : mesh->triangles[at(t)])
+        forces[first + at(patch[at(t)])].segment<3>(3 * of.node_of(mesh->model_nodes[at(v)])) -=
+            mesh->areas[at(t)] / 3 * mesh->normals[at(t)];
+  }
+  Vector3d middle = Vector3d::Zero(), size = Vector3d::Constant(1e-300);
+  for (const Vector3d& x : of.mesh.nodes) middle += x / n;
+  for (const Vector3d& x : of.mesh.nodes) size = size.cwiseMax((x - middle).cwiseAbs());
+  for (int m = 0; m < 12; ++m) {
+    forces.emplace_back(VectorXd::Zero(3 * n));
+    for (int i = 0; i < n; ++i) {
+      const Vector3d x = (of.mesh.nodes[at(i)] - middle).cwiseQuotient(size);
+      forces.back()[3 * i + m % 3] = volume[at(i)] * (m < 3 ? 1.0 : x[m / 3 - 1]);
+    }
+  }
+  Nodal all(3 * n, static_cast<Eigen::Index>(forces.size()));
+  for (std::size_t k = 0; k < forces.size(); ++k)
+    all.col(static_cast<Eigen::Index>(k)) = forces[k] / std::max(1e-300, forces[k].norm());
+  return all;
+}
+
+}  // namespace
+
 std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart& of) {
   std::vector<PartHold> hold;
   for (const int body : of.holder)
     hold.push_back(body < 0 ? PartHold::None : body == of.body ? PartHold::Frame : PartHold::Other);
   const Vector3d center = of.other >= 0 ? joint.bodies[at(of.other)].center_of_mass : Vector3d::Zero();
-  return std::make_shared<const PartOperator>(make_part_operator(of.mesh, std::move(hold), center));
+  PartOperator part = make_part_operator(of.mesh, std::move(hold), center);
+  learn_soft(part, forces_like_contact(joint, of, part.volume));
+  return std::make_shared<const PartOperator>(std::move(part));
 }
 
 std::vector<PartQuad> part_quads(const SurfaceMesh& mesh) {

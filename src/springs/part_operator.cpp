@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/decompositions.h"
 #include "src/base/numbers.h"
 #include "src/geometry/pose.h"
 
@@ -184,8 +185,9 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int n
   return of;
 }
 
-/// Without its soft motions.
-PartOperator stiff_part(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
+}  // namespace
+
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
   PartOperator part;
   part.mesh = std::move(mesh);
   part.hold = std::move(hold);
@@ -253,8 +255,6 @@ PartOperator stiff_part(PartMesh mesh, std::vector<PartHold> hold, const Vector3
   return part;
 }
 
-}  // namespace
-
 void set_reach(PartFeet& feet, const PartOperator& part) {
   std::vector<int> unknowns;
   for (const int node : feet.node)
@@ -302,12 +302,13 @@ MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd&
     if (!(feet.area[at(i)] > 0)) continue;
     for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j) {
       const int node = feet.node[at(j)];
-      Eigen::Matrix<double, 3, Eigen::Dynamic> u = at_node(part, node, b);
-      if (part.free) {
-        const auto place = of_rest.find(node);
-        u -= place != of_rest.end() ? place->second : of_rest.emplace(node, rest->at(part, node)).first->second;
-      }
-      w.row(i) += feet.weight[at(j)].transpose() * u / feet.area[at(i)];
+      const Vector3d weight = feet.weight[at(j)] / feet.area[at(i)];
+      for (int k = 0; k < 3; ++k)
+        if (const int row = part.unknown[at(3 * node + k)]; row >= 0) w.row(i) += weight[k] * b.row(row);
+      if (!part.free) continue;
+      auto place = of_rest.find(node);
+      if (place == of_rest.end()) place = of_rest.emplace(node, rest->at(part, node)).first;
+      w.row(i) -= weight.transpose() * place->second;
     }
   }
   return w;
@@ -321,88 +322,80 @@ VectorXd along_forces(const PartFeet& feet, const Eigen::MatrixX3d& motion) {
   return along;
 }
 
-Eigen::MatrixX3d nodal_forces(const PartOperator& part, const PartFeet& feet, const VectorXd& pressure) {
-  Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(part.mesh.size(), 3);
+Nodal along_forces(const PartFeet& feet, const Nodal& motions) {
+  Nodal along = Nodal::Zero(feet.size(), motions.cols());
+  for (int i = 0; i < feet.size(); ++i)
+    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1] && feet.area[at(i)] > 0; ++j)
+      along.row(i) += (feet.weight[at(j)].transpose() / feet.area[at(i)]) * motions.middleRows<3>(3 * feet.node[at(j)]);
+  return along;
+}
+
+Nodal nodal_forces(const PartOperator& part, const PartFeet& feet, const MatrixXd& pressure) {
+  Nodal force = Nodal::Zero(3 * part.mesh.size(), pressure.cols());
   for (int i = 0; i < feet.size(); ++i)
     for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j)
-      force.row(feet.node[at(j)]) += pressure[i] * feet.weight[at(j)].transpose();
+      force.middleRows<3>(3 * feet.node[at(j)]) += feet.weight[at(j)] * pressure.row(i);
   return force;
 }
 
+Eigen::MatrixX3d by_node(const Nodal& column) { return column.reshaped(3, column.rows() / 3).transpose(); }
+
 namespace {
 
-MatrixXd on_unknowns(const PartOperator& part, const Eigen::MatrixX3d& force) {
-  MatrixXd b = MatrixXd::Zero(part.factor.size(), 1);
-  for (int i = 0; i < part.mesh.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      if (const int row = part.unknown[at(3 * i + k)]; row >= 0) b(row, 0) = force(i, k);
+Nodal on_unknowns(const PartOperator& part, const Nodal& force) {
+  Nodal b(part.factor.size(), force.cols());
+  for (Index i = 0; i < force.rows(); ++i)
+    if (const int row = part.unknown[at(static_cast<int>(i))]; row >= 0) b.row(row) = force.row(i);
   return b;
 }
 
+/// nodes x 3, as 3 per node.
+Nodal as_column(const Eigen::MatrixX3d& of) { return Nodal(of.transpose().reshaped()); }
+
 }  // namespace
+
+Nodal displacements(const PartOperator& part, const Nodal& force) {
+  const Nodal b = on_unknowns(part, force), x = solve_all(part, b);
+  Nodal u(force.rows(), force.cols());
+  for (int i = 0; i < part.mesh.size(); ++i) u.middleRows<3>(3 * i) = at_node(part, i, x);
+  if (!part.free) return u;
+  MatrixXd wrench = MatrixXd::Zero(6, force.cols());
+  for (int i = 0; i < part.mesh.size(); ++i)
+    wrench += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.middleRows<3>(3 * i);
+  const FreePart rest(part, wrench, part.Z.transpose() * b);
+  for (int i = 0; i < part.mesh.size(); ++i) u.middleRows<3>(3 * i) -= rest.at(part, i);
+  return u;
+}
 
 Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force,
                                const Eigen::Matrix<double, 6, 1>& other) {
-  const MatrixXd b = on_unknowns(part, force);
-  MatrixXd x = solve_all(part, b);
-  if (part.W.size() > 0) x += part.W * other;
-  Eigen::MatrixX3d u(part.mesh.size(), 3);
-  for (int i = 0; i < part.mesh.size(); ++i) {
-    u.row(i) = at_node(part, i, x).transpose();
+  Eigen::MatrixX3d u = by_node(displacements(part, as_column(force)));
+  if (part.W.size() == 0) return u;
+  const Nodal x = part.W * other;
+  for (int i = 0; i < part.mesh.size(); ++i)
     if (part.hold[at(i)] == PartHold::Other)
       u.row(i) = (rigid_motion(part.mesh.nodes[at(i)] - part.center) * other).transpose();
-  }
-  if (!part.free) return u;
-  MatrixXd wrench = MatrixXd::Zero(6, 1);
-  for (int i = 0; i < part.mesh.size(); ++i)
-    wrench += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.row(i).transpose();
-  const FreePart rest(part, wrench, part.Z.transpose() * b);
-  for (int i = 0; i < part.mesh.size(); ++i) u.row(i) -= rest.at(part, i).transpose();
+    else
+      u.row(i) += at_node(part, i, x).transpose();
   return u;
 }
 
 Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen::MatrixX3d& force,
                                            const Eigen::Matrix<double, 6, 1>& other) {
-  Eigen::Matrix<double, 6, 1> on = part.W.transpose() * on_unknowns(part, force) - part.S * other;
+  Eigen::Matrix<double, 6, 1> on = part.W.transpose() * on_unknowns(part, as_column(force)) - part.S * other;
   for (int i = 0; i < part.mesh.size(); ++i)
     if (part.hold[at(i)] == PartHold::Other)
       on += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.row(i).transpose();
   return on;
 }
 
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
-  PartOperator part = stiff_part(std::move(mesh), std::move(hold), other_center);
-  // A few rounds of inverse iteration, from the nodes' places and their products: close enough to lead a search.
-  constexpr int kMotions = 12, kRounds = 3;
-  const int n = part.mesh.size();
-  Vector3d middle = Vector3d::Zero(), size = Vector3d::Constant(1e-300);
-  for (const Vector3d& x : part.mesh.nodes) middle += x / n;
-  for (const Vector3d& x : part.mesh.nodes) size = size.cwiseMax((x - middle).cwiseAbs());
-  for (int m = 0; m < kMotions; ++m) {
-    Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(n, 3);
-    for (int i = 0; i < n; ++i) {
-      const Vector3d x = (part.mesh.nodes[at(i)] - middle).cwiseQuotient(size);
-      const double by[4] = {1.0, x[0], x[1], x[2]};
-      force(i, m % 3) = part.volume[at(i)] * by[m / 3];
-    }
-    part.soft.push_back(std::move(force));
-  }
-  for (int round = 0; round < kRounds; ++round) {
-    for (Eigen::MatrixX3d& motion : part.soft) motion = displacements(part, motion);
-    for (int m = 0; m < kMotions; ++m) {  // each without those before it, by volume
-      const auto inner = [&](int a, int b) {
-        double sum = 0.0;
-        for (int i = 0; i < n; ++i) sum += part.volume[at(i)] * part.soft[at(a)].row(i).dot(part.soft[at(b)].row(i));
-        return sum;
-      };
-      for (int before = 0; before < m; ++before) part.soft[at(m)] -= inner(m, before) * part.soft[at(before)];
-      part.soft[at(m)] /= std::sqrt(std::max(1e-300, inner(m, m)));
-    }
-    if (round + 1 == kRounds) break;
-    for (Eigen::MatrixX3d& motion : part.soft)
-      for (int i = 0; i < n; ++i) motion.row(i) *= part.volume[at(i)];
-  }
-  return part;
+void learn_soft(PartOperator& part, const Nodal& forces) {
+  part.soft = displacements(part, forces);
+  const MatrixXd energy = forces.transpose() * part.soft;
+  const Eigenvalues e = symmetric_eigen(0.5 * (energy + energy.transpose()));
+  const double least = 1e-10 * e.values.maxCoeff();
+  const VectorXd scale = e.values.unaryExpr([&](double v) { return v > least ? 1 / std::sqrt(v) : 0.0; });
+  part.soft = part.soft * (e.vectors * scale.asDiagonal());
 }
 
 }  // namespace dea

@@ -31,9 +31,9 @@ struct PartOperator {
   SparseFactor factor;         ///< of K over the unknowns
   std::vector<double> volume;  ///< per node: its share of the elements'
   double softness = 0.0;       ///< strain per stress along its stiffest axis, of its softest element [1/MPa]
-  /// Its softest motions, in no unit: pressures along them move it most, and a search for pressures treats them by
-  /// themselves. Each nodes x 3.
-  std::vector<Eigen::MatrixX3d> soft;
+  /// U, 3 per node x columns: U U^T is K^-1 for the forces that it was learnt of, and nearly for what is like them:
+  /// pressures that push and bend it (learn_soft). It leads searches, no more.
+  Nodal soft;
   bool free = false;  ///< nothing holds it
   Vector3d center =
       Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
@@ -45,6 +45,9 @@ struct PartOperator {
 /// `other_center`: about which the second holder's motion is told. Throws std::runtime_error where what holds it leaves
 /// it a motion, or a piece of it hangs on nothing.
 PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center = {0, 0, 0});
+
+/// Sets `soft` by forces on nodes, 3 per node x columns: U = K^-1 F (F^T K^-1 F)^(-1/2).
+void learn_soft(PartOperator& part, const Nodal& forces);
 
 /// What feet press on: for each foot the forces on nodes per unit of pressure, in the part's frame.
 struct PartFeet {
@@ -65,13 +68,19 @@ Eigen::MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const Ei
 /// Per foot: how far it goes along its force as the nodes move (nodes x 3), N_i^T u / A_i; 0 where it stands on
 /// nothing.
 Eigen::VectorXd along_forces(const PartFeet& feet, const Eigen::MatrixX3d& motion);
+/// The same for columns of motions, 3 per node.
+Nodal along_forces(const PartFeet& feet, const Nodal& motions);
 
+/// Displacements of all nodes under forces on them, both 3 per node x columns, in the frame.
+Nodal displacements(const PartOperator& part, const Nodal& force);
 /// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame. `other`: the second
 /// holder's motion: translation of `center`, rotation.
 Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force,
                                const Eigen::Matrix<double, 6, 1>& other = Eigen::Matrix<double, 6, 1>::Zero());
-/// Forces of the feet on all nodes.
-Eigen::MatrixX3d nodal_forces(const PartOperator& part, const PartFeet& feet, const Eigen::VectorXd& pressure);
+/// Forces of the feet on all nodes, 3 per node x columns.
+Nodal nodal_forces(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
+/// A column of 3 per node as nodes x 3.
+Eigen::MatrixX3d by_node(const Nodal& column);
 /// Force and moment about `center` that the part exerts on its second holder (P3).
 Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen::MatrixX3d& force,
                                            const Eigen::Matrix<double, 6, 1>& other);

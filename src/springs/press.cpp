@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "src/base/fixed_point.h"
 #include "src/base/numbers.h"
 #include "src/springs/gaps.h"
 #include "src/springs/layer_bed.h"
@@ -40,25 +41,51 @@ std::vector<SpringStates> gaps_of(const std::vector<PosedBed>& beds) {
   return states;
 }
 
+Eigen::VectorXd together(const std::vector<const PartOperator*>& parts, const PartMotions& moved) {
+  Eigen::Index size = 0;
+  for (const PartOperator* part : parts) size += 3 * part->mesh.size();
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(size);
+  Eigen::Index begin = 0;
+  for (const PartOperator* part : parts) {
+    const Eigen::Index own = 3 * part->mesh.size();
+    if (const auto motion = moved.find(part); motion != moved.end())
+      all.segment(begin, own) = motion->second.reshaped();
+    begin += own;
+  }
+  return all;
+}
+
+PartMotions apart(const std::vector<const PartOperator*>& parts, const Eigen::VectorXd& all) {
+  PartMotions moved;
+  Eigen::Index begin = 0;
+  for (const PartOperator* part : parts) {
+    const Eigen::Index own = 3 * part->mesh.size();
+    moved[part] = all.segment(begin, own).reshaped(part->mesh.size(), 3);
+    begin += own;
+  }
+  return moved;
+}
+
 /// Law::Layer. What lies opposite a foot is where pressures have moved it to: gaps are found again until the pressures
 /// on them are the same; what a part moves besides is linear. Without parts once is enough.
 std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds, const PressOptions& options,
                                                PressMemory* memory) {
-  constexpr int kMostRounds = 60;
+  constexpr int kMostRounds = 60, kInVain = 8;
   const std::vector<const PartOperator*> parts = parts_of(beds);
   PressMemory own;
   if (!parts.empty() && memory == nullptr) memory = &own;
   PartMotions moved;
-  if (memory && memory->part_motion.size() == parts.size())
-    for (std::size_t k = 0; k < parts.size(); ++k) moved[parts[k]] = memory->part_motion[k];
+  if (!parts.empty()) moved = motions_to_start_from(beds, *memory);
   // what presses parts unevenly for want of digits tilts their surfaces, and pushes them along what nothing resists
   constexpr double kCoarsest = 1e-6;
   PressOptions close = options;
   if (!parts.empty()) close.tolerance = std::min(options.tolerance, kCoarsest);
   std::vector<SpringStates> states;
   bool fits = false;
-  double share = 1.0, last = kInfinity;
-  for (int round = 0; !fits && round < kMostRounds; ++round) {
+  FixedPoint seek;
+  double best = kInfinity, last = kInfinity;
+  int no_better = 0;  // rounds
+  for (int round = 0; !fits && round < kMostRounds && no_better < kInVain; ++round) {
     std::vector<SpringBed> there;
     there.reserve(beds.size());
     std::vector<PosedBed> posed = beds;
@@ -68,16 +95,16 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
       p.bed = &there.back();
     }
     states = gaps_of(posed);
-    const PartMotions before = moved;
+    const Eigen::VectorXd before = together(parts, moved);
     double misfit = 0.0;
     fits = press_layers(posed, states, close, memory, moved, misfit);
     if (fits || parts.empty()) break;
-    // what lies opposite changes on the way: where gaps fit worse than a round before, the parts go less far at once
-    share = misfit > last ? std::max(0.1, 0.5 * share) : std::min(1.0, 1.5 * share);
+    no_better = misfit < 0.7 * best ? 0 : no_better + 1;
+    best = std::min(best, misfit);
+    // what lies opposite changes on the way: where gaps fit worse than a round before, what was learnt misleads
+    if (misfit > last) seek.forget();
     last = misfit;
-    for (auto& [part, motion] : moved)
-      if (const auto old = before.find(part); old != before.end())
-        motion = old->second + share * (motion - old->second);
+    if (!moved.empty()) moved = apart(parts, seek.next(before, together(parts, moved)));
   }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active || parts.empty()) continue;

@@ -382,11 +382,13 @@ void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, Halv
 void solve_halves(const SparseFactor& factor, const std::vector<int>& columns, Halves halves, Nodal& b) {
   constexpr std::array kSolve = {solve_in_place<1>, solve_in_place<2>, solve_in_place<3>,
                                  solve_in_place<4>, solve_in_place<5>, solve_in_place<6>};
-  if (b.cols() > 0 && at(b.cols()) <= kSolve.size()) return kSolve[at(b.cols()) - 1](factor, columns, halves, b.data());
-  for (Eigen::Index c = 0; c < b.cols(); ++c) {
-    Nodal one = b.col(c);
-    solve_in_place<1>(factor, columns, halves, one.data());
-    b.col(c) = one;
+  const auto most = static_cast<Eigen::Index>(kSolve.size());
+  if (b.cols() > 0 && b.cols() <= most) return kSolve[at(b.cols()) - 1](factor, columns, halves, b.data());
+  for (Eigen::Index c = 0; c < b.cols(); c += most) {
+    const Eigen::Index count = std::min(most, b.cols() - c);
+    Nodal some = b.middleCols(c, count);
+    kSolve[at(count) - 1](factor, columns, halves, some.data());
+    b.middleCols(c, count) = some;
   }
 }
 

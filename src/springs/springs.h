@@ -157,6 +157,7 @@ struct PressMemory {
   Eigen::VectorXd nearly;                     ///< the pressures, and below zero what is missing for one
   Eigen::VectorXd change, motion;             ///< of `nearly`; 6 per pair; empty: there was none
   std::vector<Eigen::MatrixX3d> part_motion;  ///< of the parts that are pressed together, in their order
+  std::vector<Eigen::MatrixXd> part_rates;    ///< of these, as `rates`: 3 x nodes of it, x 6 per pair; empty: unknown
 };
 
 }  // namespace dea

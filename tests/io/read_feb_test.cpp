@@ -918,6 +918,32 @@ TEST_F(ReadFeb, ParametersThatNobodyKnowsAreListedOnce) {
   }
   // FEBio reads a word as 0
   EXPECT_EQ(fault_of(replaced(kModel40, "<x_dof>1<", "<x_dof>False<")), "read without a fault");
+  // fibres and axes of materials and of elements
+  const JointModel along = read(model_and(
+      R"(<Material><material id="9" name="m" type="trans iso Mooney-Rivlin"><c1>1</c1><c2>0</c2><c3>0.5</c3><c4>40</c4><c5>100</c5><lam_max>1.05</lam_max><k>9</k><fiber type="local">1,5</fiber><mat_axis type="vector"><a>0,0,2</a><d>1,0,0</d></mat_axis></material>
+<material id="10" name="o" type="orthotropic elastic"><E1>140</E1><E2>20</E2><E3>20</E3><G12>50</G12><G23>8</G23><G31>50</G31><v12>0.3</v12><v23>0.3</v23><v31>0.04</v31></material></Material>
+<MeshData><ElementData type="fiber" elem_set="L"><e lid="1">0,3,4</e></ElementData>
+<ElementData type="mat_axis" elem_set="L"><e lid="1"><a>0,1,0</a><d>1,0,0</d></e></ElementData></MeshData>)"));
+  const auto material = [&](const char* name) {
+    return *std::find_if(along.materials.begin(), along.materials.end(),
+                         [&](const Material& m) { return m.name == name; });
+  };
+  const Material fibrous = material("m");
+  ASSERT_EQ(fibrous.fibres.size(), 1u);
+  EXPECT_EQ(fibrous.fibres[0].c, (std::array<double, 4>{0.5, 40, 100, 1.05}));
+  EXPECT_TRUE(fibrous.fibres[0].deviatoric);
+  EXPECT_EQ(fibrous.fibres[0].direction.by, Direction::By::Nodes);
+  EXPECT_EQ(fibrous.fibres[0].direction.nodes, (std::array<int, 2>{0, 4}));
+  EXPECT_EQ(fibrous.axes.by, Axes::By::Vectors);
+  EXPECT_EQ(fibrous.axes.a, Vector3d(0, 0, 2));
+  ASSERT_TRUE(material("o").stiffness);
+  EXPECT_NEAR(1 / material("o").stiffness->inverse()(0, 0), 140, 1e-9);
+  const Domain& layer =
+      *std::find_if(along.domains.begin(), along.domains.end(), [](const Domain& d) { return d.name == "L"; });
+  ASSERT_EQ(layer.fibre.size(), 1u);
+  EXPECT_LT((layer.fibre[0] - Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  ASSERT_EQ(layer.axes.size(), 1u);
+  EXPECT_EQ(layer.axes[0].col(0), Vector3d(0, 1, 0));
   // a modulus per element: the one of the material would be wrong without a word
   EXPECT_NE(fault_of(replaced(kModel25, "<MeshData>",
                               "<MeshData><ElementData var=\"fem.material[1].E\" elem_set=\"L\"><elem "

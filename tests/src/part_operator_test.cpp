@@ -159,7 +159,7 @@ TEST(PartOperator, WorkOfTheFeetIsTheEnergyStored) {
           EXPECT_NEAR(feet.area[at(i)] * w(i, j), feet.area[at(j)] * w(j, i), 1e-10 * w.cwiseAbs().maxCoeff());
       Eigen::VectorXd p(feet.size());
       for (int i = 0; i < feet.size(); ++i) p[i] = 1 + std::sin(1.7 * i);
-      const Eigen::MatrixX3d force = nodal_forces(part, feet, p), u = displacements(part, force);
+      const Eigen::MatrixX3d force = by_node(nodal_forces(part, feet, p)), u = displacements(part, force);
       const Eigen::VectorXd sunk = sinking(part, feet, p).col(0);
       double work = 0;
       for (int i = 0; i < feet.size(); ++i) {
@@ -194,7 +194,8 @@ TEST(PartOperator, TurnsWithItsForces) {
   Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(mesh.size(), 3);
   for (int i = 0; i < mesh.size(); ++i) force.row(i) << std::sin(i), std::cos(2 * i), std::sin(3 * i + 1);
   const Eigen::MatrixX3d u = displacements(make_part_operator(mesh, hold), force),
-                         v = displacements(make_part_operator(turned, hold), force * turn.transpose());
+                         v = displacements(make_part_operator(turned, hold),
+                                           Eigen::MatrixX3d(force * turn.transpose()));
   EXPECT_LT((v - u * turn.transpose()).cwiseAbs().maxCoeff(), 1e-10 * u.cwiseAbs().maxCoeff());
 }
 

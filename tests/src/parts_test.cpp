@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/analytic/elastic_layer.h"
-#include "tests/src/part_meshes.h"
 #include "src/equilibrium/equilibrium.h"
 #include "src/equilibrium/load_case.h"
 #include "src/joint/joint.h"
+#include "tests/analytic/elastic_layer.h"
+#include "tests/src/part_meshes.h"
 #include "tests/src/test_models.h"
 
 namespace dea::parts_test {
@@ -65,7 +65,9 @@ Pressed block_between_plates(double E, double nu, double depth) {
   in.upper = add_material(in.model, "upper", true);
   in.lower = add_material(in.model, "lower", true);
   const auto plate = [](double z, bool up) {
-    return [=](double u, double v) { return up ? Vector3d(-2 + 10 * u, -2 + 10 * v, z) : Vector3d(-2 + 10 * v, -2 + 10 * u, z); };
+    return [=](double u, double v) {
+      return up ? Vector3d(-2 + 10 * u, -2 + 10 * v, z) : Vector3d(-2 + 10 * v, -2 + 10 * u, z);
+    };
   };
   const int above = add_rigid_surface(in.model, "above", 5, 5, plate(3, false), in.upper),
             below = add_rigid_surface(in.model, "below", 5, 5, plate(0, true), in.lower);
@@ -91,8 +93,8 @@ Solved solve(const JointModel& model, const Settings& settings = {}) {
   return s;
 }
 
-/// Nothing holds it, contacts press it: a part of its own, with a body of its own. Its force is E A d/h, its pressure even,
-/// it goes down by half of what the plate does, and no motion that nothing resists drifts.
+/// Nothing holds it, contacts press it: a part of its own, with a body of its own. Its force is E A d/h, its pressure
+/// even, it goes down by half of what the plate does, and no motion that nothing resists drifts.
 TEST(Parts, DiscBetweenPlates) {
   const double E = 10, d = 0.1;
   for (const double nu : {0.0, 0.3, 0.49}) {
@@ -112,7 +114,8 @@ TEST(Parts, DiscBetweenPlates) {
     // even pressure on what has become wider by nu d/h
     for (int i = 0; i < s.e.springs[0].size(); ++i)
       EXPECT_NEAR(s.e.springs[0].pressure[at(i)] * std::pow(1 + nu * d / 3, 2), F / 36, 1e-5 * F / 36);
-    const Eigen::MatrixX3d& u = s.e.springs[0].part_motion[s.joint.contacts[0].layers[s.joint.contacts[0].source].part >= 0 ? 0 : 1];
+    const Eigen::MatrixX3d& u =
+        s.e.springs[0].part_motion[s.joint.contacts[0].layers[s.joint.contacts[0].source].part >= 0 ? 0 : 1];
     ASSERT_EQ(u.rows(), part.mesh.size());
     for (int i = 0; i < part.mesh.size(); ++i) {
       const Vector3d x = part.mesh.nodes[at(i)] - Vector3d(3, 3, 1.5);
@@ -164,8 +167,8 @@ TEST(Parts, SpringsOnItsNodes) {
   EXPECT_LT(sx, -0.001);
 }
 
-/// A sphere on a block bonded below, against the exact layer; the block 6 thicknesses of the contact wide. `--part` names
-/// it: it would be a layer of cartilage otherwise.
+/// A sphere on a block bonded below, against the exact layer; the block 6 thicknesses of the contact wide. `--part`
+/// names it: it would be a layer of cartilage otherwise.
 TEST(Parts, SphereOnABlockIsTheExactLayer) {
   const double E = 10, nu = 0.45, t = 4, R = 20, d = 0.1;
   const analytic::ParabolicPunch punch{[&](double k) { return analytic::flat_layer(E, nu, t, k); },
@@ -233,6 +236,59 @@ TEST(Parts, TurnedJointIsTheSame) {
   EXPECT_LT((R * Vector3d(a.e.contact_on_target[0].head<3>()) - b.e.contact_on_target[0].head<3>()).norm(), 1e-8);
   for (int i = 0; i < a.e.springs[0].size(); ++i)
     EXPECT_NEAR(a.e.springs[0].pressure[at(i)], b.e.springs[0].pressure[at(i)], 1e-8);
+}
+
+/// Fibres along the load, whichever way the model tells where they lie: with nu = 0 the force is (E + Ef) A d/h.
+TEST(Parts, FibresStiffenAlongThemselves) {
+  const double E = 10, d = 0.1;
+  const Fibres fibres{Fibres::Law::ExpLinear, {0.5, 40, 100, 1.05}, false, {}};
+  const auto force = [&](const auto& change, const Settings& settings = {}) {
+    JointModel model = block_between_plates(E, 0.0, d).model;
+    Material& m = model.materials[at(model.domains[0].material)];
+    m.fibres = {fibres};
+    change(m, model.domains[0]);
+    const Solved s = solve(model, settings);
+    EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    const auto told = std::find_if(s.joint.findings.begin(), s.joint.findings.end(),
+                                   [](const Finding& f) { return f.code == "part-fibres"; });
+    EXPECT_NE(told, s.joint.findings.end());
+    return std::pair(std::abs(s.e.contact_on_target[0][2]) / (36 * d / 3), told->form);
+  };
+  const auto expect = [&](const std::pair<double, int>& found, double modulus) {
+    EXPECT_NEAR(found.first, modulus, 1e-6 * modulus);
+    EXPECT_EQ(found.second, 0);
+  };
+  const double along = E + 0.5 * 40;
+  expect(force([](Material& m, Domain&) { m.fibres[0].direction.vector = Vector3d::UnitZ(); }), along);
+  expect(force([](Material&, Domain&) {}), E);  // FEBio's default: along x
+  expect(force([](Material& m, Domain&) {
+           m.fibres[0].direction = {Direction::By::Nodes, Vector3d::UnitX(), {0, 4}};
+         }),
+         along);
+  expect(force([](Material& m, Domain&) {
+           m.axes = {Axes::By::Vectors, Vector3d::UnitZ(), Vector3d::UnitX(), {0, 1, 3}};
+         }),
+         along);
+  expect(force([](Material& m, Domain&) {
+           m.axes = {Axes::By::Nodes, Vector3d::UnitX(), Vector3d::UnitY(), {0, 4, 1}};
+         }),
+         along);
+  const auto per_element = [](Material& m, Domain& of) {
+    m.fibres[0].direction.by = Direction::By::Unknown;  // the elements' own count
+    of.fibre.assign(of.element_ids.size(), Vector3d::UnitZ());
+  };
+  expect(force(per_element), along);
+  expect(force([](Material& m, Domain& of) {
+           m.fibres[0].direction.by = Direction::By::Element;
+           of.axes.assign(of.element_ids.size(), *axes_from(Vector3d::UnitZ(), Vector3d::UnitX()));
+         }),
+         along);
+  Settings drawn;
+  drawn.fibre_strain = 0.06;
+  expect(force(per_element, drawn), E + 100);
+  const auto unknown = force([](Material& m, Domain&) { m.fibres[0].direction.by = Direction::By::Unknown; });
+  EXPECT_NEAR(unknown.first, E, 1e-5);
+  EXPECT_EQ(unknown.second, 1) << "told as left out";
 }
 
 /// What cannot be taken into account is refused, with what to do.

@@ -315,6 +315,18 @@ Json layer_json(const JointModel& model, const Joint& joint, const SharedLayer& 
   return j;
 }
 
+/// Stress in a part that gives way.
+Json part_json(const SoftPart& part, const PartStress& s) {
+  const PartNumber along = s.fibre.value_or(PartNumber{});
+  return {{"name", part.name},
+          {"first_principal_stress_p99", json_number(s.principal.p99)},
+          {"first_principal_stress_peak", json_number(s.principal.peak)},
+          {"fibre_stress_p99", json_number(along.p99)},
+          {"fibre_stress_peak", json_number(along.peak)},
+          {"largest_strain", json_number(s.largest_strain)},
+          {"largest_turn", json_number(s.largest_turn)}};
+}
+
 Json state_json(const JointModel& model, const Joint& joint, const StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   Json j;
@@ -353,6 +365,8 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   j["layers"] = Json::array();
   for (std::size_t k = 0; k < state.layers.size(); ++k)
     j["layers"].push_back(layer_json(model, joint, joint.shared_layers[k], state.layers[k]));
+  if (!state.parts.empty()) j["parts"] = Json::array();
+  for (std::size_t k = 0; k < state.parts.size(); ++k) j["parts"].push_back(part_json(joint.parts[k], state.parts[k]));
   return j;
 }
 

@@ -108,6 +108,27 @@ Table layers_table(const Joint& joint, const std::vector<StateResult>& states, c
   return table;
 }
 
+/// A line per state and part; no rows: there is none.
+Table parts_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
+  Table table;
+  table.headings = {"time", "part"};
+  for (const char* number : {"first principal p99", "peak", "along fibres p99", "peak"})
+    table.headings.push_back(with_unit(number, units, Dimension::Pressure));
+  table.headings.insert(table.headings.end(), {"largest strain", "turn [rad]"});
+  table.left = "rlrrrrrr";
+  for (const StateResult& state : states)
+    for (std::size_t k = 0; k < state.parts.size(); ++k) {
+      const PartStress& part = state.parts[k];
+      std::vector<std::string> row = {time_text(state.when.time), joint.parts[k].name};
+      const PartNumber along = part.fibre.value_or(PartNumber{});
+      for (const double x :
+           {part.principal.p99, part.principal.peak, along.p99, along.peak, part.largest_strain, part.largest_turn})
+        row.push_back(four_digits(x));
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
 /// A line per state, contact, side and end of its layer; no rows: the inside was not asked for.
 Table inside_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
@@ -287,6 +308,8 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
     tables.push_back(
         {"layers that several contacts press: of the maps on their own surfaces, with the pressures of all",
          std::move(layers)});
+  if (Table parts = parts_table(joint, analysis.states, units); !parts.rows.empty())
+    tables.push_back({"parts that give way: stress at the centres of their elements", std::move(parts)});
   if (Table inside = inside_table(joint, analysis.states, units); !inside.rows.empty())
     tables.push_back(
         {"inside the cartilage, where it is pressed; third principal strain: the least", std::move(inside)});
