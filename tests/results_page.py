@@ -129,6 +129,7 @@ def make_models(folder):
         name = pathlib.Path(model).name
         (folder / f"{name}.feb").write_text((samples / f"{model}.feb").read_text())
     (folder / "shared.feb").write_text(made_models.with_one_trochlea((samples / "knee/knee.feb").read_text()))
+    (folder / "disc.feb").write_text(made_models.disc())
     (folder / "febio.xplt").write_bytes((samples / "hip/hip_walking_febio.xplt").read_bytes())
     text = (samples / "ligament/ligament.feb").read_text()
     # on a node of the femur, after the mesh's last node
@@ -147,6 +148,8 @@ def run_all(folder):
         run(folder, f"info {model}.feb --json {model}.info.json")
     run(folder, "run plateaus.feb -q --law linear -o all.xplt " + outputs.format("all"))  # from before the first touch
     run(folder, "run shared.feb -q --states last --no-xplt --json shared.run.json")
+    run(folder, "run disc.feb -q --no-xplt --json disc.run.json")
+    run(folder, "info disc.feb --json disc.info.json")
     run(folder, "info refused.feb --json refused.info.json", (3,))
     run(folder, "converge ligament.feb -q --target 0.05 --law linear --json a.converge.json")
     run(folder, "compare hip_walking.xplt febio.xplt -q --profile --dose-above 1 --up 0,0,1 --anterior 0,1,0 "

@@ -23,13 +23,9 @@ VectorXd FixedPoint::next(const VectorXd& x, const VectorXd& g) {
   residual_ = residual;
   if (change_.empty()) return g;
   const auto steps = static_cast<Index>(change_.size());
-  MatrixXd products(steps, steps);
-  VectorXd along(steps);
-  for (Index i = 0; i < steps; ++i) {
-    along[i] = of_residual_[at(i)].dot(residual);
-    for (Index j = 0; j < steps; ++j) products(i, j) = of_residual_[at(i)].dot(of_residual_[at(j)]);
-  }
-  const VectorXd share = solve_least_norm(products, along);
+  MatrixXd differences(residual.size(), steps);
+  for (Index i = 0; i < steps; ++i) differences.col(i) = of_residual_[at(i)];
+  const VectorXd share = solve_least_norm(differences, residual);
   VectorXd mixed = g;
   for (Index i = 0; i < steps; ++i) mixed -= share[i] * (change_[at(i)] + of_residual_[at(i)]);
   return mixed;

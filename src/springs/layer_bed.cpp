@@ -378,11 +378,10 @@ PartMotions motions_to_start_from(const std::vector<PosedBed>& beds, const Press
   const Together all(beds);
   PartMotions moved;
   if (memory.part_motion.size() != all.parts.size()) return moved;
+  for (std::size_t k = 0; k < all.parts.size(); ++k) moved[all.parts[k]] = memory.part_motion[k];
+  if (memory.part_rates.size() != all.parts.size()) return moved;  // nothing pressed, and no poses are remembered
   const Eigen::VectorXd motion = motion_since(memory, all);
-  for (std::size_t k = 0; k < all.parts.size(); ++k) {
-    Eigen::MatrixX3d& of = moved[all.parts[k]] = memory.part_motion[k];
-    if (memory.part_rates.size() == all.parts.size()) of += by_node(memory.part_rates[k] * motion);
-  }
+  for (std::size_t k = 0; k < all.parts.size(); ++k) moved[all.parts[k]] += by_node(memory.part_rates[k] * motion);
   return moved;
 }
 

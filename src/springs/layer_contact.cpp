@@ -150,6 +150,10 @@ struct ScaledContact {
     const Nodal scaled = on.cwiseSqrt().asDiagonal() * soft;
     MatrixXd G = MatrixXd::Zero(n, n);
     G.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+    if (!(G.diagonal().maxCoeff() > 0)) {  // no part is pressed
+      taken.setZero(n, n);
+      return;
+    }
     G.diagonal().array() += 1e-10 * G.diagonal().maxCoeff();
     const Eigen::LLT<MatrixXd> of_G(G);
     const MatrixXd L = of_G.matrixL();

@@ -8,6 +8,7 @@
 #include "src/equilibrium/equilibrium.h"
 #include "src/equilibrium/load_case.h"
 #include "src/joint/joint.h"
+#include "src/springs/press.h"
 #include "tests/analytic/elastic_layer.h"
 #include "tests/src/part_meshes.h"
 #include "tests/src/test_models.h"
@@ -289,6 +290,27 @@ TEST(Parts, FibresStiffenAlongThemselves) {
   const auto unknown = force([](Material& m, Domain&) { m.fibres[0].direction.by = Direction::By::Unknown; });
   EXPECT_NEAR(unknown.first, E, 1e-5);
   EXPECT_EQ(unknown.second, 1) << "told as left out";
+}
+
+/// Where nothing presses a part at first, and then something does.
+TEST(Parts, AreMetOnTheWay) {
+  JointModel model = block_between_plates(10, 0.3, 0.1).model;
+  const Joint joint = make_joint(model, {});
+  const SpringBeds beds = make_spring_beds(joint);
+  const std::vector<Pose> start = reference_poses(joint);
+  Equilibrium e = solve_equilibrium(joint, beds, make_load_case(model, joint, {}, 0, 0.0), start, start);
+  for (const double time : {0.5, 1.0})
+    e = solve_equilibrium(joint, beds, make_load_case(model, joint, {}, 0, time), e.poses, start);
+  EXPECT_EQ(e.outcome, Outcome::Balanced) << e.message;
+  EXPECT_NEAR(e.contact_on_target[1][2], -12, 1e-5);
+  PressMemory memory;  // of a pose at which the plates are far away
+  const SpringBed& bed = beds.beds[0];
+  Pose away = start[at(bed.target_body)];
+  away.center[2] += 5;
+  press_springs(bed, start[at(bed.source_body)], away, {}, &memory);
+  away.center[2] -= 5.01;
+  const SpringStates met = press_springs(bed, start[at(bed.source_body)], away, {}, &memory);
+  EXPECT_GT(*std::max_element(met.pressure.begin(), met.pressure.end()), 0.0);
 }
 
 /// What cannot be taken into account is refused, with what to do.
