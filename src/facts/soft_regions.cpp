@@ -148,6 +148,22 @@ void check_names(const JointModel& model, const Settings& settings, const std::v
   }
 }
 
+/// Parts of one material, as both menisci of a knee, have the names of their elements, if these tell them apart.
+void name_apart(const JointModel& model, const std::vector<int>& region, std::vector<SoftRegion>& parts) {
+  std::set<std::string> taken;
+  for (SoftRegion& part : parts) {
+    const bool several = std::count_if(parts.begin(), parts.end(),
+                                       [&](const SoftRegion& other) { return other.material == part.material; }) > 1;
+    if (several && !part.free)
+      for (const Domain& d : model.domains)
+        if (!d.nodes.empty() && region[at(d.nodes.front())] == part.region && !d.name.empty()) {
+          part.name = d.name;
+          break;
+        }
+    if (!part.free) part.name = take_free_name(part.name, taken);
+  }
+}
+
 }  // namespace
 
 std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Settings& settings,
@@ -165,7 +181,7 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
     soft.region = root;
     const auto main = std::max_element(of.of_material.begin(), of.of_material.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-    soft.name = model.materials[at(main->first)].name;
+    soft.name = soft.material = model.materials[at(main->first)].name;
     const bool named = named_by_user.count(root) > 0, pressed = pressed_twice.count(root) > 0;
     const auto held = holders.of_region.find(root);
     const bool holds = held != holders.of_region.end() && !held->second.empty();
@@ -190,6 +206,7 @@ std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Setting
     soft.form = named ? 0 : alone ? 1 : 2;
     found.push_back(std::move(soft));
   }
+  name_apart(model, region, found);
   return found;
 }
 

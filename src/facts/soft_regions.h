@@ -13,8 +13,9 @@ namespace dea {
 
 /// A deformable region that gives way as its elements do.
 struct SoftRegion {
-  int region = -1;    ///< its root node
-  std::string name;   ///< of the material most of its elements have
+  int region = -1;       ///< its root node
+  std::string material;  ///< that most of its elements have
+  std::string name;   ///< the material's; of several parts of one material that of the elements, or another of its own
   int body = -1;      ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
   int other = -1;     ///< a second body that holds it, -1: none
   bool free = false;  ///< nothing holds it

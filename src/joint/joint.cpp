@@ -129,8 +129,8 @@ Finding part_finding(const ModelParts& parts, std::size_t region, const SoftPart
           {{"part", part.name},
            {"elements", part.mesh.elements()},
            {"nodes", part.mesh.size()},
-           {"give", NamedSetting{"part", "", part.name}},
-           {"rigid", NamedSetting{"rigid", "", part.name}}},
+           {"give", NamedSetting{"part", "", part.material}},
+           {"rigid", NamedSetting{"rigid", "", part.material}}},
           soft.form};
 }
 

@@ -109,6 +109,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   if (soft.other >= 0) throw held_by_two(parts, soft);
   SoftPart part;
   part.name = soft.name;
+  part.material = soft.material;
   part.body = soft.body;
   part.other = soft.other;
   std::vector<int>& nodes_of = part.model_nodes;

@@ -30,7 +30,8 @@ struct PartElement {
 
 /// A meniscus, a disc, a labrum: it gives way as its elements do (docs/parts.md).
 struct SoftPart {
-  std::string name;  ///< of its material; of the largest where it has several
+  std::string material;  ///< that most of its elements have
+  std::string name;  ///< the material's; of several parts of one material that of the elements, or another of its own
   int body = -1;     ///< index into Joint::bodies: its frame moves with it
   int other = -1;    ///< a second body that holds it, -1: none
   PartMesh mesh;
