@@ -119,12 +119,12 @@ Nodal forces_like_contact(const Joint& joint, const SoftPart& of, const std::vec
         surfaces.push_back(&layer.spring_surface());
         area += surface_extent(*surfaces.back()).area;
       }
-  std::vector<VectorXd> forces;
+  std::vector<Eigen::VectorXd> forces;
   for (const SurfaceMesh* mesh : surfaces) {
     const int count = static_cast<int>(std::ceil(kPatches * surface_extent(*mesh).area / area));
     const std::vector<int> patch = patches_of(*mesh, count);
     const std::size_t first = forces.size();
-    forces.resize(first + at(count), VectorXd::Zero(3 * n));
+    forces.resize(first + at(count), Eigen::VectorXd::Zero(3 * n));
     for (int t = 0; t < mesh->size(); ++t)
       for (const int v : mesh->triangles[at(t)])
         forces[first + at(patch[at(t)])].segment<3>(3 * of.node_of(mesh->model_nodes[at(v)])) -=
@@ -134,7 +134,7 @@ Nodal forces_like_contact(const Joint& joint, const SoftPart& of, const std::vec
   for (const Vector3d& x : of.mesh.nodes) middle += x / n;
   for (const Vector3d& x : of.mesh.nodes) size = size.cwiseMax((x - middle).cwiseAbs());
   for (int m = 0; m < 12; ++m) {
-    forces.emplace_back(VectorXd::Zero(3 * n));
+    forces.emplace_back(Eigen::VectorXd::Zero(3 * n));
     for (int i = 0; i < n; ++i) {
       const Vector3d x = (of.mesh.nodes[at(i)] - middle).cwiseQuotient(size);
       forces.back()[3 * i + m % 3] = volume[at(i)] * (m < 3 ? 1.0 : x[m / 3 - 1]);
