@@ -515,8 +515,7 @@ void read_surface_pair(Reading& reading, const XMLElement& section) {
   add_named(reading, section, reading.surface_pairs, name, pair, "surface pair");
 }
 
-// -- data of elements: shell thickness, fibres, axes
-// ---------------------------------------------------------------------------------
+// -- data of elements: shell thickness, fibres, axes -------------------------------------------------
 
 /// Places of the elements of a set, in its order; domains come in file order.
 std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement& element, const std::string& name) {

@@ -283,12 +283,11 @@ Stiffness mixture(const Reading& reading, const Component& m) {
   double k = uncoupled ? constant_of(m, "k", 0.0, sum.note) : 0.0;
   std::string types;
   for (const Component& part : m.parts)
-    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag()))
+    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag())) {
       leave_out(reading, part, fmt::format("the fibres {} of its {}", quote(part.type_or_tag()), quote(type)),
                 kGroundMatrix);
-  for (const Component& part : m.parts)
-    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type_or_tag()))
       sum.fibres.push_back(fibres_of(part, uncoupled));
+    }
   for (const Stiffness& part : nested(reading, m, {"solid", "elastic", "mat"})) {
     if (!types.empty()) types += "+";
     types += part.type;
