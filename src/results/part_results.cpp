@@ -1,7 +1,6 @@
 #include "src/results/part_results.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -32,8 +31,8 @@ double turn_of(const std::vector<Vector3d>& from, const std::vector<Vector3d>& t
   }
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < from.size(); ++k) cross += (to[k] - b) * (from[k] - a).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
+  const SingularValues svd = whole_svd(cross);
+  const Eigen::Matrix3d R = svd.U * svd.V.transpose();
   return std::abs(Eigen::AngleAxisd(R.determinant() > 0 ? R : Eigen::Matrix3d(-R)).angle());
 }
 
