@@ -30,6 +30,7 @@ void refuse_settings(const Settings& s) {
          "a contact of type dea has its springs on the articular surface;");
   refuse(s.interface_stiffness.has_value(), {"interface-stiffness"}, "a contact of type dea has none;");
   refuse(s.layer_fit != LayerFit::TwoTerms, {"layer-terms", "", "1"}, "a contact of type dea takes two;");
+  refuse(!s.leave_out.empty(), {"leave-out"}, "a converted file keeps all elements of the model;");
   constexpr const char* kInModel = "change them in the model";
   const auto refuse_values = [&](const char* setting, const auto& values, const char* found) {
     if (!values.empty()) refuse(true, {setting, values.begin()->first}, found, kInModel);

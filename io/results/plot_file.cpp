@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -142,23 +144,61 @@ std::vector<float> per_facet(const std::vector<double>& values) {
 struct Shown {
   const Layer* layer = nullptr;          ///< nullptr: no contact has the surface
   std::vector<const SideFields*> sides;  ///< of all its contacts, the one that presses hardest first
+  std::vector<const Layer*> layers;      ///< of each side
+  /// Where contacts take different facets of a part's surface: values at the nodes of all, and a layer that has these.
+  std::deque<SideFields> at_all_nodes;
+  std::optional<Layer> of_all;
 };
 
+/// Two contacts may press different sides of one surface of a part.
+void put_together(Shown& shown) {
+  Layer all = *shown.layer;
+  std::set<int> nodes;
+  for (const Layer* layer : shown.layers) {
+    nodes.insert(layer->articular.model_nodes.begin(), layer->articular.model_nodes.end());
+    for (std::size_t f = 0; f < all.facet_kinds.size(); ++f)
+      if (layer->facet_kinds.empty() || layer->facet_kinds[f] == FaceKind::Open) all.facet_kinds[f] = FaceKind::Open;
+  }
+  all.articular.model_nodes.assign(nodes.begin(), nodes.end());
+  const std::unordered_map<int, int> vertex = articular_vertices(all);
+  for (std::size_t k = 0; k < shown.sides.size(); ++k) {
+    SideFields& there = shown.at_all_nodes.emplace_back(*shown.sides[k]);
+    const std::vector<int>& own = shown.layers[k]->articular.model_nodes;
+    for (auto values : {&SideFields::vertex_pressure, &SideFields::vertex_thickness, &SideFields::vertex_shortening}) {
+      (there.*values).assign(nodes.size(), 0.0);
+      for (std::size_t v = 0; v < own.size(); ++v)
+        (there.*values)[at(vertex.at(own[v]))] = (shown.sides[k]->*values)[v];
+    }
+  }
+  for (std::size_t k = 0; k < shown.sides.size(); ++k) shown.sides[k] = &shown.at_all_nodes[k];
+  shown.of_all = std::move(all);
+  shown.layer = &*shown.of_all;
+}
+
 /// Per model surface.
-std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
-                                  const std::vector<ContactFields>& fields) {
-  std::vector<Shown> shown(model.surfaces.size());
+std::deque<Shown> shown_contacts(const JointModel& model, const Joint& joint,
+                                 const std::vector<ContactFields>& fields) {
+  std::deque<Shown> shown(model.surfaces.size());
   for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     for (int side = 0; side < 2; ++side) {
       const Layer& layer = joint.contacts[c].layers[side];
       Shown& s = shown[at(layer.surface)];
       s.sides.push_back(&fields[c].sides[side]);
+      s.layers.push_back(&layer);
       if (s.sides.size() > 1 && !(s.sides.back()->force.norm() > s.sides.front()->force.norm())) continue;
       std::swap(s.sides.front(), s.sides.back());
+      std::swap(s.layers.front(), s.layers.back());
       s.layer = &layer;
     }
   for (Shown& s : shown) {
     if (s.sides.size() < 2) continue;
+    if (std::all_of(s.layers.begin(), s.layers.end(), [](const Layer* layer) { return layer->part >= 0; }) &&
+        std::any_of(s.layers.begin(), s.layers.end(), [&s](const Layer* layer) {
+          return layer->articular.model_nodes != s.layer->articular.model_nodes;
+        })) {
+      put_together(s);
+      continue;
+    }
     const SideFields& first = *s.sides.front();
     std::erase_if(s.sides, [&](const SideFields* other) {  // a contact of its own kind may take fewer facets
       return other->pressure.size() != first.pressure.size() ||
@@ -298,7 +338,7 @@ void add_rigid_bodies(const std::vector<int>& material_of_domain, const Joint& j
 void add_surface_fields(const JointModel& model, const std::vector<int>& surface, const Joint& joint,
                         const std::vector<ContactFields>& contacts, const std::vector<SurfaceField>& fields,
                         std::size_t first, XpltState& state) {
-  const std::vector<Shown> shown = shown_contacts(model, joint, contacts);
+  const std::deque<Shown> shown = shown_contacts(model, joint, contacts);
   for (std::size_t s = 0; s < shown.size(); ++s) {
     if (shown[s].layer == nullptr || surface[s] == 0) continue;
     std::optional<SideFields> sum;  // one contact is the rule, and nothing to add

@@ -97,6 +97,24 @@ void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm
   forces.derivative.add(body_a, body_b, D);
 }
 
+void add_turning_force(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Vector3d& f,
+                       int turns, BodyForces& forces) {
+  const int a = 6 * body_a, b = 6 * body_b;
+  forces.value.segment<3>(a) += f;
+  forces.value.segment<3>(a + 3) += arm_a.cross(f);
+  forces.value.segment<3>(b) -= f;
+  forces.value.segment<3>(b + 3) -= arm_b.cross(f);
+  const Eigen::Index turned = turns == body_a ? 3 : 9;
+  Matrix12 D = Matrix12::Zero();
+  D.block<3, 3>(0, turned) = -skew(f);
+  D.block<3, 3>(3, turned) = -skew(arm_a) * skew(f);
+  D.block<3, 3>(6, turned) = skew(f);
+  D.block<3, 3>(9, turned) = skew(arm_b) * skew(f);
+  D.block<3, 3>(3, 3) += skew(f) * skew(arm_a);  // (w x arm) x f
+  D.block<3, 3>(9, 9) -= skew(f) * skew(arm_b);
+  forces.derivative.add(body_a, body_b, D);
+}
+
 void BlockMatrix::add(int a, int b, const Matrix12& value) { add(a, b, a, b, value); }
 
 void BlockMatrix::add(int a, int b, int c, int d, const Matrix12& value) {

@@ -53,6 +53,11 @@ double add_ligament(const Joint& joint, const Ligament& ligament, double scale, 
 void add_line(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Tension& tension,
               const std::vector<Pose>& poses, BodyForces& forces);
 
+/// Adds a force on a point of body a, and its opposite on one of body b, whose direction turns with body `turns`, a or
+/// b.
+void add_turning_force(int body_a, const Vector3d& arm_a, int body_b, const Vector3d& arm_b, const Vector3d& force,
+                       int turns, BodyForces& forces);
+
 /// Adds the pulls of a cable's segments on its points, and of what lies beyond the last one.
 void add_cable(const Joint& joint, const Cable& cable, double force, const std::vector<Pose>& poses,
                BodyForces& forces);

@@ -125,13 +125,21 @@ void pull_ligaments(const Problem& problem, Evaluation& e, BodyForces& forces) {
   for (std::size_t t = 0; t < e.ties.size(); ++t) {
     const SpringBed& bed = problem.beds.ties[t];
     for (int i = 0; i < e.ties[t].size(); ++i) {
-      const auto ligament = at(bed.ties[at(i)].ligament);
       const SpringStates& s = e.ties[t];
+      const Vector3d arm_source = s.foot[at(i)] - e.poses[at(bed.source_body)].center,
+                     arm_target = s.end[at(i)] - e.poses[at(bed.target_body)].center;
+      if (bed.holds()) {
+        const int turns = bed.layers->source.part ? bed.source_body : bed.target_body;
+        add_turning_force(bed.source_body, arm_source, bed.target_body, arm_target,
+                          -s.pressure[at(i)] * s.area[at(i)] * s.direction[at(i)], turns, forces);
+        continue;
+      }
+      const auto ligament = at(bed.ties[at(i)].ligament);
       pulled[ligament] = 1;
       e.ligament_force[ligament] = s.pressure[at(i)] * s.area[at(i)];
       // the slope is in tie_rates, in series with what gives way
-      add_line(bed.source_body, s.foot[at(i)] - e.poses[at(bed.source_body)].center, bed.target_body,
-               s.end[at(i)] - e.poses[at(bed.target_body)].center, {e.ligament_force[ligament], 0.0}, e.poses, forces);
+      add_line(bed.source_body, arm_source, bed.target_body, arm_target, {e.ligament_force[ligament], 0.0}, e.poses,
+               forces);
     }
   }
   for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {

@@ -91,34 +91,52 @@ TieEnd tie_end(const Joint& joint, const SharedOperators& shared, int model_node
   return {};
 }
 
-/// Ligaments on parts that contacts press. Bodies stand in the order of a contact between them, if there is one.
+/// A tie between two bodies: of a part of the first, of the second, or of both.
+struct DraftTie {
+  PartTie tie;
+  int source = -1, target = -1;  ///< bodies
+  std::shared_ptr<const PartOperator> of_source, of_target;
+};
+
+/// Ligaments on parts that contacts press, and holds of those that two bodies hold.
+std::vector<DraftTie> draft_ties(const Joint& joint, const SharedOperators& shared) {
+  std::vector<DraftTie> ties;
+  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
+    const Ligament& l = joint.ligaments[i];
+    const TieEnd a = tie_end(joint, shared, l.part_node[0]), b = tie_end(joint, shared, l.part_node[1]);
+    if (a.part || b.part)
+      ties.push_back({{static_cast<int>(i), l.point_a, l.point_b, a.node, b.node}, l.body_a, l.body_b, a.part, b.part});
+  }
+  for (const auto& [k, made] : shared.parts)
+    for (const PartTie& hold : part_holds(joint.parts[at(k)], *made))
+      ties.push_back({hold, joint.parts[at(k)].body, joint.parts[at(k)].other, made, nullptr});
+  return ties;
+}
+
+/// By the bodies and parts that they join. Bodies stand in the order of a contact between them, if there is one.
 std::vector<SpringBed> tie_beds(const Joint& joint, const std::vector<SpringBed>& beds, const SharedOperators& shared) {
   std::vector<SpringBed> ties;
   double area = 0.0;
   for (const SpringBed& bed : beds) area += surface_extent(bed.pair.source_layer().articular).area;
-  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
-    const Ligament& l = joint.ligaments[i];
-    TieEnd a = tie_end(joint, shared, l.part_node[0]), b = tie_end(joint, shared, l.part_node[1]);
-    if (!a.part && !b.part) continue;
-    const bool turned = std::any_of(beds.begin(), beds.end(), [&](const SpringBed& bed) {
-      return bed.source_body == l.body_b && bed.target_body == l.body_a;
-    });
-    PartTie tie{static_cast<int>(i), l.point_a, l.point_b, a.node, b.node};
-    int source = l.body_a, target = l.body_b;
-    if (turned) {
+  for (DraftTie& draft : draft_ties(joint, shared)) {
+    auto& [tie, source, target, of_source, of_target] = draft;
+    if (std::any_of(beds.begin(), beds.end(), [&draft](const SpringBed& bed) {
+          return bed.source_body == draft.target && bed.target_body == draft.source;
+        })) {
       std::swap(tie.source, tie.target);
       std::swap(tie.source_node, tie.target_node);
       std::swap(source, target);
-      std::swap(a, b);
+      std::swap(of_source, of_target);
     }
-    auto bed = std::find_if(ties.begin(), ties.end(), [&](const SpringBed& known) {
-      return known.source_body == source && known.target_body == target && known.layers->source.part == a.part &&
-             known.layers->target.part == b.part;
+    auto bed = std::find_if(ties.begin(), ties.end(), [&draft](const SpringBed& known) {
+      return known.source_body == draft.source && known.target_body == draft.target &&
+             known.layers->source.part == draft.of_source && known.layers->target.part == draft.of_target &&
+             known.holds() == (draft.tie.ligament < 0);
     });
     if (bed == ties.end()) {
       auto layers = std::make_shared<LayerBed>();
-      layers->source.part = a.part;
-      layers->target.part = b.part;
+      layers->source.part = of_source;
+      layers->target.part = of_target;
       SpringBed made{{},
                      source,
                      target,
@@ -199,7 +217,7 @@ std::vector<PressedContact> press_group(const SpringBeds& beds, const std::vecto
   for (const int t : ties) {
     const SpringBed& bed = beds.ties[at(t)];
     const Pose &source = poses[at(bed.source_body)], &target = poses[at(bed.target_body)];
-    posed.push_back({&bed, source, target, options.motions, static_cast<bool>(law), &law});
+    posed.push_back({&bed, source, target, options.motions, bed.holds() || law, &law});
   }
   std::vector<PressedContact> pressed;
   for (SpringStates& springs : press_together(posed, options, memory)) {

@@ -112,7 +112,7 @@ void add_moved_bodies(ModelParts& parts) {
 }  // namespace
 
 ModelParts find_parts(const JointModel& model, const Settings& settings) {
-  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   parts.node_holds = find_node_holds(model);
   parts.faces = find_faces(model, settings);
   parts.layer_domains = find_layer_domains(parts);
@@ -120,12 +120,18 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
   parts.region = find_regions(parts);
   add_moved_bodies(parts);
   parts.holders = find_holders(model, parts.bodies, parts.region, parts.node_holds, parts.moved);
-  parts.soft = find_soft_regions(model, settings, parts.rigid, parts.region, parts.holders, parts.bodies);
-  if (std::any_of(parts.soft.begin(), parts.soft.end(), [](const SoftRegion& s) { return s.free; }))
-    parts.holders = find_holders(model, parts.bodies, parts.region, parts.node_holds, parts.moved);  // a later ground
+  find_soft_regions(parts);
   add_once(parts.findings, far_ties(model, parts.holders));
   add_once(parts.findings, holds_of_some_steps(model, parts.holders, parts.region, parts.node_holds, parts.moved));
   return parts;
+}
+
+int region_of(const ModelParts& parts, const Domain& d, int element) {
+  const int n = nodes_per_element(d.shape);
+  const int* nodes = d.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;
+  int region = parts.region[at(nodes[0])];
+  for (int k = 1; k < n && parts.split; ++k) region = std::max(region, parts.region[at(nodes[k])]);
+  return region;
 }
 
 int soft_region(const ModelParts& parts, int region) {

@@ -30,6 +30,7 @@ struct ModelParts {
   std::vector<char> layer_domains;  ///< per domain: cartilage of a rigid material (contacts of type "dea")
   Bodies bodies;
   std::vector<int> region;  ///< per node: root node of its deformable part, -1: in no deformable solid element
+  bool split = false;       ///< a part shares nodes with a layer: those count to the layer (region_of)
   FaceMap faces;            ///< element faces all of whose corners are nodes of a contact surface
   NodeHolds node_holds;
   std::vector<int> moved;  ///< per node: body of nodes that are moved together, -1: none
@@ -64,6 +65,9 @@ int body_of_material(const ModelParts& parts, int material);
 int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name);
 /// Is this the name of that body? An empty one is of none.
 bool names_body(const JointModel& model, const std::vector<Body>& bodies, const std::string& name, int body);
+
+/// The region of an element of a deformable part.
+int region_of(const ModelParts& parts, const Domain& domain, int element);
 
 /// Index into ModelParts::soft of a region, -1: it is none.
 int soft_region(const ModelParts& parts, int region);

@@ -1,6 +1,7 @@
 #include "src/facts/soft_regions.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <set>
@@ -9,6 +10,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
+#include "src/facts/parts.h"
 #include "src/geometry/thickness.h"
 #include "src/model/element_faces.h"
 
@@ -16,26 +18,121 @@ namespace dea {
 
 namespace {
 
-/// What a region is made of.
-struct Elements {
-  std::map<int, int> of_material;  // elements
-  std::set<int> nodes;
-  double volume = 0.0;
-  Vector3d sum = Vector3d::Zero();  // of volume times centroid
+/// Of a deformable material: what is rigid under a contact of type dea is no part.
+bool soft_solid(const ModelParts& parts, const Domain& d) {
+  return deformable(parts, d) && !parts.rigid[at(d.material)];
+}
+
+bool named_part(const ModelParts& parts, int material) {
+  const std::vector<std::string>& named = parts.settings.part;
+  return std::count(named.begin(), named.end(), parts.model.materials[at(material)].name) > 0;
+}
+
+/// What contacts press of a region: facets wound out of their elements, each once.
+struct OnContacts {
+  std::vector<std::vector<int>> facets;
+  std::vector<int> material;  ///< per facet: of the element it is a face of
+  std::set<int> contacts;
 };
 
-/// Of the regions that are asked for.
-std::map<int, Elements> elements_by_region(const JointModel& model, const std::vector<char>& rigid,
-                                           const std::vector<int>& region, const std::set<int>& asked) {
-  std::map<int, Elements> regions;
+/// A deformable region that may be a part.
+struct SoftCandidate {
+  std::map<int, int> of_material;  ///< elements
+  std::set<int> nodes;
+  double volume = 0.0;
+  Vector3d sum = Vector3d::Zero();  ///< of volume times centroid
+  OnContacts pressed;
+};
+
+/// Per region that sliding contacts press: by which, and what tells cheaply whether it is a layer of one material on
+/// bone: the area vectors of what is pressed and of faces that are held, octant by octant around its middle.
+struct PressedOutline {
+  std::set<int> contacts, materials;
+  Vector3d middle = Vector3d::Zero();  ///< of nodes of pressed facets
+  double nodes = 0.0;
+  std::array<Vector3d, 8> pressed, held;
+  PressedOutline() {
+    pressed.fill(Vector3d::Zero());
+    held.fill(Vector3d::Zero());
+  }
+  std::size_t octant(const Vector3d& x) const {
+    const Vector3d from = x - middle / nodes;
+    return (from[0] > 0 ? 1u : 0u) + (from[1] > 0 ? 2u : 0u) + (from[2] > 0 ? 4u : 0u);
+  }
+  /// How much of what is pressed has as much held opposite, if that is even and flat.
+  double held_opposite() const {
+    double both = 0.0, all = 0.0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      both += std::min(std::abs(held[k].dot(pressed[k])), pressed[k].squaredNorm());
+      all += pressed[k].squaredNorm();
+    }
+    return all > 0 ? both / all : 0.0;
+  }
+};
+
+std::map<int, PressedOutline> outlines(const ModelParts& parts) {
+  const JointModel& model = parts.model;
+  std::map<int, PressedOutline> all;
+  std::vector<PressedOutline*> of(model.nodes.size(), nullptr);  // by root
+  for (std::size_t c = 0; c < model.contacts.size(); ++c) {
+    if (model.contacts[c].kind != Contact::Kind::Sliding) continue;
+    for (const int surface : {model.contacts[c].primary, model.contacts[c].secondary})
+      for (std::size_t k = 0; surface >= 0 && k < model.surfaces[at(surface)].nodes.size(); ++k) {
+        const int node = model.surfaces[at(surface)].nodes[k], region = parts.region[at(node)];
+        if (region < 0) continue;
+        PressedOutline*& outline = of[at(region)];
+        if (outline == nullptr) outline = &all[region];
+        if (outline->contacts.empty() || *outline->contacts.rbegin() != static_cast<int>(c))
+          outline->contacts.insert(static_cast<int>(c));
+        outline->middle += model.nodes[at(node)];
+        outline->nodes += 1;
+      }
+  }
+  std::set<int> surfaces;
+  for (const Contact& c : model.contacts)
+    if (c.kind == Contact::Kind::Sliding) surfaces.insert({c.primary, c.secondary});
+  for (const int surface : surfaces)
+    for (int f = 0; surface >= 0 && f < model.surfaces[at(surface)].size(); ++f) {
+      const std::vector<int> facet = model.surfaces[at(surface)].facet(f);
+      if (const int region = parts.region[at(facet.front())]; region >= 0) {
+        PressedOutline& outline = *of[at(region)];
+        outline.pressed[outline.octant(model.nodes[at(facet.front())])] += area_vector(facet, model.nodes);
+      }
+    }
+  const auto& holders = parts.holders.of_node;
+  for (const Domain& d : model.domains) {
+    if (!soft_solid(parts, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      PressedOutline* outline = of[at(parts.region[at(nodes[0])])];
+      if (outline == nullptr) continue;
+      if (outline->materials.count(d.material) == 0) outline->materials.insert(d.material);
+      if (std::count_if(nodes, nodes + n, [&](int node) { return !holders[at(node)].empty(); }) < 3) continue;
+      for (const std::vector<int>& local : element_faces(d.shape)) {  // those between two elements cancel
+        std::vector<int> face;
+        for (const int k : local) face.push_back(nodes[k]);
+        if (std::all_of(face.begin(), face.end(), [&](int node) { return !holders[at(node)].empty(); }))
+          outline->held[outline->octant(model.nodes[at(*std::min_element(face.begin(), face.end()))])] +=
+              area_vector(face, model.nodes);
+      }
+    }
+  }
+  return all;
+}
+
+/// The elements of the regions that are asked for, and what presses them.
+std::map<int, SoftCandidate> candidates(const ModelParts& parts, const std::set<int>& asked) {
+  const JointModel& model = parts.model;
+  std::map<int, SoftCandidate> regions;
   if (asked.empty()) return regions;
   for (const Domain& d : model.domains) {
-    if (d.material < 0 || rigid[at(d.material)] || is_shell(d.shape) || is_line(d.shape)) continue;
+    if (!soft_solid(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e) {
       const int* nodes = d.nodes.data() + static_cast<std::ptrdiff_t>(e) * n;
-      if (asked.count(region[at(nodes[0])]) == 0) continue;
-      Elements& of = regions[region[at(nodes[0])]];
+      if (asked.count(parts.region[at(nodes[0])]) == 0) continue;
+      SoftCandidate& of = regions[parts.region[at(nodes[0])]];
       ++of.of_material[d.material];
       of.nodes.insert(nodes, nodes + n);
       const ElementVolume v = element_volume(model, d, e);
@@ -43,31 +140,36 @@ std::map<int, Elements> elements_by_region(const JointModel& model, const std::v
       of.sum += v.volume * v.centroid;
     }
   }
+  std::set<FaceKey> known;
+  for (std::size_t c = 0; c < model.contacts.size(); ++c) {
+    if (model.contacts[c].kind != Contact::Kind::Sliding) continue;
+    for (const int surface : {model.contacts[c].primary, model.contacts[c].secondary})
+      for (int f = 0; surface >= 0 && f < model.surfaces[at(surface)].size(); ++f) {
+        const ElementFace* face = carrier(parts, find_face(parts, model.surfaces[at(surface)], f));
+        if (face == nullptr || !soft_solid(parts, model.domains[at(face->domain)])) continue;
+        const Domain& d = model.domains[at(face->domain)];
+        const int* nodes = d.nodes.data() + static_cast<std::ptrdiff_t>(face->element) * nodes_per_element(d.shape);
+        const auto of = regions.find(parts.region[at(nodes[0])]);
+        if (of == regions.end()) continue;
+        OnContacts& pressed = of->second.pressed;
+        pressed.contacts.insert(static_cast<int>(c));
+        std::vector<int> facet;
+        for (const int k : element_faces(d.shape)[at(face->face)]) facet.push_back(nodes[k]);
+        if (!known.insert(face_key(facet)).second) continue;
+        pressed.facets.push_back(std::move(facet));
+        pressed.material.push_back(d.material);
+      }
+  }
   return regions;
 }
 
 /// The regions that have elements of a material that the user names.
-std::set<int> named_regions(const JointModel& model, const Settings& settings, const std::vector<int>& region) {
+std::set<int> named_regions(const ModelParts& parts) {
   std::set<int> named;
-  for (const Domain& d : model.domains) {
-    if (d.material < 0 ||
-        std::count(settings.part.begin(), settings.part.end(), model.materials[at(d.material)].name) == 0)
-      continue;
-    for (const int node : d.nodes) named.insert(region[at(node)]);
-  }
+  for (const Domain& d : parts.model.domains)
+    if (soft_solid(parts, d) && named_part(parts, d.material))
+      for (const int node : d.nodes) named.insert(parts.region[at(node)]);
   return named;
-}
-
-/// Per region, its surfaces that sliding contacts press.
-std::map<int, std::set<int>> surfaces_in_contact(const JointModel& model, const std::vector<int>& region) {
-  std::map<int, std::set<int>> surfaces;
-  for (const Contact& c : model.contacts)
-    if (c.kind == Contact::Kind::Sliding)
-      for (const int surface : {c.primary, c.secondary})
-        if (surface >= 0)
-          for (const int node : model.surfaces[at(surface)].nodes)
-            if (region[at(node)] >= 0) surfaces[region[at(node)]].insert(surface);
-  return surfaces;
 }
 
 /// Does the user say of a surface on the region what only a layer has?
@@ -84,37 +186,22 @@ bool layers_said(const JointModel& model, const Settings& settings, const std::v
   return any_of(settings.thickness) || any_of(settings.thickness_from) || any_of(settings.bone);
 }
 
-/// The facets of contacts that lie on the region.
-SurfaceMesh pressed_facets(const JointModel& model, const std::vector<int>& region, int root) {
-  FacetList facets;
-  std::set<std::vector<int>> known;
-  for (const Contact& c : model.contacts)
-    for (const int surface : {c.primary, c.secondary}) {
-      if (c.kind != Contact::Kind::Sliding || surface < 0) continue;
-      const Surface& s = model.surfaces[at(surface)];
-      for (int f = 0; f < s.size(); ++f)
-        if (const std::vector<int> facet = s.facet(f); region[at(facet.front())] == root && known.insert(facet).second)
-          facets.add(facet);
-    }
-  return make_surface_mesh(facets.begin, facets.nodes, model.nodes);
-}
-
 /// How much of what contacts press of a region has a face behind it that is held with all its nodes, seen along the
-/// normals: a layer of cartilage all of it. 1 where no face is held so: that is no hint.
-double bone_behind(const JointModel& model, const std::vector<char>& rigid, const std::vector<int>& region, int root,
-                   const Holders& holders) {
+/// normals: a layer of cartilage all of it. Per material.
+std::map<int, double> bone_behind(const ModelParts& parts, int root, const OnContacts& pressed) {
+  const JointModel& model = parts.model;
   std::map<FaceKey, std::vector<int>> held;  // faces of one element alone
   std::set<FaceKey> inner;
   for (const Domain& d : model.domains) {
-    if (d.material < 0 || rigid[at(d.material)] || is_shell(d.shape) || is_line(d.shape)) continue;
+    if (!soft_solid(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
       const int* nodes = d.nodes.data() + e * at(n);
-      if (region[at(nodes[0])] != root) continue;
+      if (parts.region[at(nodes[0])] != root) continue;
       for (const std::vector<int>& local : element_faces(d.shape)) {
         std::vector<int> face;
         for (const int k : local) face.push_back(nodes[k]);
-        if (!std::all_of(face.begin(), face.end(), [&](int node) { return !holders.of_node[at(node)].empty(); }))
+        if (!std::all_of(face.begin(), face.end(), [&](int node) { return !parts.holders.of_node[at(node)].empty(); }))
           continue;
         const FaceKey key = face_key(face);
         std::reverse(face.begin(), face.end());  // out of the bone
@@ -125,89 +212,190 @@ double bone_behind(const JointModel& model, const std::vector<char>& rigid, cons
   FacetList bone;
   for (auto& [key, face] : held)
     if (inner.count(key) == 0) bone.add({face.end() - facet_corners(static_cast<int>(face.size())), face.end()});
-  const SurfaceMesh pressed = pressed_facets(model, region, root),
-                    behind = make_surface_mesh(bone.begin, bone.nodes, model.nodes);
-  if (pressed.size() == 0 || behind.size() == 0) return 1.0;
-  const MeasuredThickness measured = measure_thickness(pressed, behind);
-  double seen = 0.0, all = 0.0;
-  for (std::size_t v = 0; v < measured.missed.size(); ++v) {
-    all += pressed.vertex_areas[v];
-    if (!measured.missed[v]) seen += pressed.vertex_areas[v];
+  const SurfaceMesh behind = make_surface_mesh(bone.begin, bone.nodes, model.nodes);
+  std::map<int, double> seen;
+  for (const int material : std::set<int>(pressed.material.begin(), pressed.material.end())) {
+    seen[material] = 0.0;
+    if (behind.size() == 0) continue;
+    FacetList facets;
+    for (std::size_t f = 0; f < pressed.facets.size(); ++f)
+      if (pressed.material[f] == material) facets.add(pressed.facets[f]);
+    const SurfaceMesh mesh = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+    const MeasuredThickness measured = measure_thickness(mesh, behind);
+    double of = 0.0, all = 0.0;
+    for (std::size_t v = 0; v < measured.missed.size(); ++v) {
+      all += mesh.vertex_areas[v];
+      if (!measured.missed[v]) of += mesh.vertex_areas[v];
+    }
+    seen[material] = of / all;
   }
-  return seen / all;
+  return seen;
 }
 
-void check_names(const JointModel& model, const Settings& settings, const std::vector<char>& rigid) {
-  for (const std::string& name : settings.part) {
+void check_part_names(const ModelParts& parts) {
+  for (const std::string& name : parts.settings.part) {
     std::vector<std::string> names;
-    for (std::size_t m = 0; m < model.materials.size(); ++m)
-      if (!rigid[m]) names.push_back(model.materials[m].name);
+    for (std::size_t m = 0; m < parts.model.materials.size(); ++m)
+      if (!parts.rigid[m]) names.push_back(parts.model.materials[m].name);
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw UsageError(
           Fault{.given = NamedSetting{"part", "", name}, .found = no_such_name("deformable material", name, names)});
   }
 }
 
-/// Parts of one material, as both menisci of a knee, have the names of their elements, if these tell them apart.
-void name_apart(const JointModel& model, const std::vector<int>& region, std::vector<SoftRegion>& parts) {
-  std::set<std::string> taken;
-  for (SoftRegion& part : parts) {
-    const bool several = std::count_if(parts.begin(), parts.end(),
-                                       [&](const SoftRegion& other) { return other.material == part.material; }) > 1;
-    if (several && !part.free)
-      for (const Domain& d : model.domains)
-        if (!d.nodes.empty() && region[at(d.nodes.front())] == part.region && !d.name.empty()) {
-          part.name = d.name;
-          break;
-        }
-    if (!part.free) part.name = take_free_name(part.name, taken);
+/// The two bodies that hold most of these nodes, the one with more first; -1: there is none.
+std::array<int, 2> most_holders(const std::set<int>& nodes, const Holders& holders) {
+  std::map<int, int> count;
+  for (const int node : nodes)
+    for (const int body : holders.of_node[at(node)]) ++count[body];
+  std::array<int, 2> most = {-1, -1};
+  for (const auto& [body, n] : count) {
+    if (most[0] < 0 || n > count.at(most[0]))
+      most = {body, most[0]};
+    else if (most[1] < 0 || n > count.at(most[1]))
+      most[1] = body;
   }
+  return most;
+}
+
+/// Parts of one material, as both menisci of a knee, have the names of their elements, if these tell them apart.
+void name_apart(ModelParts& parts) {
+  std::vector<std::string> names;
+  for (const SoftRegion& part : parts.soft) {
+    const bool several = std::count_if(parts.soft.begin(), parts.soft.end(), [&part](const SoftRegion& other) {
+                           return other.material == part.material;
+                         }) > 1;
+    names.push_back(part.material);
+    for (const Domain& d : parts.model.domains)
+      if (several && !d.nodes.empty() && !d.name.empty() && soft_solid(parts, d) &&
+          region_of(parts, d, 0) == part.region) {
+        names.back() = d.name;
+        break;
+      }
+  }
+  std::set<std::string> taken;
+  for (std::size_t k = 0; k < parts.soft.size(); ++k) {
+    SoftRegion& part = parts.soft[k];
+    if (part.free) {
+      Body own;
+      own.name = names[k];
+      own.center_of_mass = part.center;
+      own.mass = part.volume;
+      part.body = add_body(parts.bodies, std::move(own));
+      part.name = parts.bodies.bodies[at(part.body)].name;
+    } else {
+      part.name = take_free_name(names[k], taken);
+    }
+  }
+}
+
+/// What of a region of several materials is a part beside a layer, as a labrum that shares nodes with the cartilage:
+/// materials that are pressed. Empty: all of it, or none.
+std::set<int> materials_beside_layer(const ModelParts& parts, const std::map<int, double>& behind) {
+  std::set<int> beside;
+  bool layer = false;
+  const bool named =
+      std::any_of(behind.begin(), behind.end(), [&parts](const auto& of) { return named_part(parts, of.first); });
+  for (const auto& [material, seen] : behind)
+    if (named ? named_part(parts, material) : seen < 0.5)
+      beside.insert(material);
+    else
+      layer = layer || seen >= 0.5;
+  return layer ? beside : std::set<int>();
+}
+
+/// Does bone hold the part beside a layer, at nodes of a face or more of its own? Else it goes along with the layer.
+bool held_by_itself(const ModelParts& parts, int root, const std::set<int>& materials) {
+  std::set<int> held;
+  for (const Domain& d : parts.model.domains)
+    if (soft_solid(parts, d) && materials.count(d.material) > 0)
+      for (const int node : d.nodes)
+        if (parts.region[at(node)] == root && !parts.holders.of_node[at(node)].empty()) held.insert(node);
+  for (const Domain& d : parts.model.domains)
+    if (soft_solid(parts, d) && materials.count(d.material) == 0)
+      for (const int node : d.nodes) held.erase(node);
+  return held.size() >= 3;
+}
+
+/// Gives the nodes of elements of these materials, but those that others share, a region of their own.
+int split_off(ModelParts& parts, int root, const std::set<int>& materials, std::size_t number) {
+  const int region = static_cast<int>(parts.model.nodes.size() + number);
+  std::set<int> own, others;
+  for (const Domain& d : parts.model.domains) {
+    if (!soft_solid(parts, d)) continue;
+    for (const int node : d.nodes)
+      if (parts.region[at(node)] == root) (materials.count(d.material) > 0 ? own : others).insert(node);
+  }
+  for (const int node : own)
+    if (others.count(node) == 0) parts.region[at(node)] = region;
+  return region;
+}
+
+/// Bodies of their own stand before the ground, which so has another number: holders are found anew.
+void follow_ground(ModelParts& parts, int ground, const std::vector<int>& region) {
+  parts.holders = find_holders(parts.model, parts.bodies, region, parts.node_holds, parts.moved);
+  for (SoftRegion& soft : parts.soft)
+    for (int* body : {&soft.body, &soft.other})
+      if (*body == ground && !soft.free) *body = parts.bodies.ground();
 }
 
 }  // namespace
 
-std::vector<SoftRegion> find_soft_regions(const JointModel& model, const Settings& settings,
-                                          const std::vector<char>& rigid, const std::vector<int>& region,
-                                          const Holders& holders, Bodies& bodies) {
-  check_names(model, settings, rigid);
-  const std::set<int> named_by_user = named_regions(model, settings, region);
-  std::set<int> asked = named_by_user, pressed_twice;
-  for (const auto& [root, surfaces] : surfaces_in_contact(model, region))
-    if (surfaces.size() > 1) pressed_twice.insert(root);
-  asked.insert(pressed_twice.begin(), pressed_twice.end());
-  std::vector<SoftRegion> found;
-  for (const auto& [root, of] : elements_by_region(model, rigid, region, asked)) {
+void find_soft_regions(ModelParts& parts) {
+  check_part_names(parts);
+  const std::vector<int> region = parts.region;
+  const int ground = parts.bodies.ground();
+  const std::set<int> named_by_user = named_regions(parts);
+  std::set<int> asked = named_by_user;
+  for (const auto& [root, outline] : outlines(parts))
+    if (outline.contacts.size() > 1 || outline.materials.size() > 1 || outline.held_opposite() < 0.6)
+      asked.insert(root);
+  for (const auto& [root, of] : candidates(parts, asked)) {
     SoftRegion soft;
     soft.region = root;
-    const auto main = std::max_element(of.of_material.begin(), of.of_material.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    soft.name = soft.material = model.materials[at(main->first)].name;
-    const bool named = named_by_user.count(root) > 0, pressed = pressed_twice.count(root) > 0;
-    const auto held = holders.of_region.find(root);
-    const bool holds = held != holders.of_region.end() && !held->second.empty();
-    const bool in_components =
-        std::any_of(of.nodes.begin(), of.nodes.end(), [&](int node) { return holders.held_components[at(node)] != 0; });
-    const bool alone = !holds && !in_components && holders.soft_ties.count(root) == 0 && pressed;
-    const bool hangs = !named && holds && pressed && !layers_said(model, settings, region, root) &&
-                       bone_behind(model, rigid, region, root, holders) < 0.5;
-    if (!named && !alone && !hangs) continue;
+    const bool named = named_by_user.count(root) > 0;
+    const auto held = parts.holders.of_region.find(root);
+    const bool holds = held != parts.holders.of_region.end() && !held->second.empty();
+    const bool in_components = std::any_of(of.nodes.begin(), of.nodes.end(),
+                                           [&parts](int node) { return parts.holders.held_components[at(node)] != 0; });
+    const bool alone =
+        !holds && !in_components && parts.holders.soft_ties.count(root) == 0 && of.pressed.contacts.size() > 1;
+    const bool layer = layers_said(parts.model, parts.settings, parts.region, root);
+    std::map<int, double> behind;
+    if (holds && (named || !layer)) behind = bone_behind(parts, root, of.pressed);
+    const std::set<int> beside = materials_beside_layer(parts, behind);
+    const bool hangs = !behind.empty() && !layer &&
+                       std::all_of(behind.begin(), behind.end(), [](const auto& seen) { return seen.second < 0.5; });
+    if (!named && !alone && !hangs && beside.empty()) continue;
+    const auto main =
+        std::max_element(of.of_material.begin(), of.of_material.end(), [&beside](const auto& a, const auto& b) {
+          const bool a_in = beside.empty() || beside.count(a.first) > 0,
+                     b_in = beside.empty() || beside.count(b.first) > 0;
+          return a_in != b_in ? b_in : a.second < b.second;
+        });
+    soft.material = parts.model.materials[at(main->first)].name;
     if (holds) {
-      soft.body = held->second.begin()->first;
-      if (held->second.size() > 1) soft.other = std::next(held->second.begin())->first;
+      const auto by = most_holders(of.nodes, parts.holders);
+      soft.body = by[0];
+      soft.other = by[1];
     } else {
       soft.free = true;
-      Body own;
-      own.name = soft.name;
-      own.mass = of.volume;
-      own.center_of_mass = of.volume > 0 ? Vector3d(of.sum / of.volume) : Vector3d::Zero();
-      soft.body = add_body(bodies, std::move(own));
-      soft.name = bodies.bodies[at(soft.body)].name;
+      soft.volume = of.volume;
+      soft.center = of.volume > 0 ? Vector3d(of.sum / of.volume) : Vector3d::Zero();
     }
-    soft.form = named ? 0 : alone ? 1 : 2;
-    found.push_back(std::move(soft));
+    soft.within = root;
+    const bool own_hold = !beside.empty() && held_by_itself(parts, root, beside);
+    if (own_hold) soft.region = split_off(parts, root, beside, parts.soft.size());
+    soft.form = named ? 0 : alone ? 1 : hangs ? 2 : own_hold ? 3 : 4;
+    parts.soft.push_back(std::move(soft));
   }
-  name_apart(model, region, found);
-  return found;
+  name_apart(parts);
+  if (parts.bodies.ground() != ground) follow_ground(parts, ground, region);
+  for (const SoftRegion& soft : parts.soft)
+    if (soft.region != soft.within) {
+      parts.split = true;
+      parts.holders.of_region[soft.region] = parts.holders.of_region[soft.within];
+    }
 }
 
 }  // namespace dea

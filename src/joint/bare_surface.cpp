@@ -11,6 +11,7 @@
 #include "src/base/say.h"
 #include "src/geometry/coincident.h"
 #include "src/geometry/ray_caster.h"
+#include "src/joint/compartments.h"
 #include "src/model/element_faces.h"
 
 namespace dea {
@@ -347,6 +348,38 @@ Findings face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh&
            {.surface = parts.model.surfaces[at(layer.surface)].name},
            {{"turned", turned}, {"facets", layer.turned.size()}},
            turned == static_cast<std::ptrdiff_t>(layer.turned.size()) ? 0 : 1}};
+}
+
+void leave_out_far_side(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer) {
+  constexpr double kFacing = -0.3, kAway = 0.5;  // cosines between the normals at the closest points
+  const SurfaceMesh& mesh = layer.articular;
+  const Surface& surface = parts.model.surfaces[at(layer.surface)];
+  const auto& keep = parts.settings.keep_facets;
+  if (layer.part < 0 || partner.size() == 0 || std::count(keep.begin(), keep.end(), surface.name) > 0) return;
+  const RayCaster caster(partner);
+  std::vector<double> facing(at(mesh.facets), 0.0), area(facing);
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto f = at(mesh.facet[at(t)]);
+    area[f] += mesh.areas[at(t)];
+    facing[f] +=
+        mesh.areas[at(t)] * mesh.normals[at(t)].dot(partner.normals[at(caster.closest(mesh.centroid(t)).triangle)]);
+  }
+  double away = 0.0, all = 0.0;
+  std::vector<FaceKind> kinds;
+  for (std::size_t f = 0; f < area.size(); ++f) {
+    all += area[f];
+    if (facing[f] > kAway * area[f]) away += area[f];
+    kinds.push_back(facing[f] > kFacing * area[f] ? FaceKind::SideWall : FaceKind::Open);
+  }
+  constexpr double kSome = 0.1;
+  if (away < kSome * all || std::count(kinds.begin(), kinds.end(), FaceKind::Open) == 0) return;
+  const CarriedSurface carried = carried_surface(parts, layer.surface);
+  const FacetList kept = kept_facets(carried.facets, kinds);
+  layer.articular = make_surface_mesh(kept.begin, kept.nodes, parts.model.nodes);
+  if (facets == Facets::Flat) flatten(layer.articular);
+  layer.bone = layer.articular;
+  layer.facet_kinds = std::move(kinds);
+  layer.compartments = find_compartments(parts.model, carried, layer.articular);
 }
 
 }  // namespace dea

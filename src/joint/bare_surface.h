@@ -29,4 +29,8 @@ std::vector<BareRimEdge> bare_rim(const ModelParts& parts, const Layer& layer);
 /// Tells how many facets look the other way than the model winds them.
 Findings face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer);
 
+/// Of a part whose whole surface a contact has, facets that do not look at the partner are left out: what stands on the
+/// far side would be found to overlap it from within. With --keep-facets none is.
+void leave_out_far_side(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer);
+
 }  // namespace dea

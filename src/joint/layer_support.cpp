@@ -127,7 +127,7 @@ Support find_support(const ContactSide& in, const CarriedSurface& carried) {
               NamedSetting{"rigid", "", parts.model.materials[at(d.material)].name}, setting_of(in, "thickness"),
               modulus_settings(in)));
     } else {
-      support.regions.insert(parts.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
+      support.regions.insert(region_of(parts, d, c.element));
       ++support.materials[d.material];
     }
   }
@@ -145,11 +145,13 @@ Attachment find_attachment(const ContactSide& in, const Support& support) {
     throw refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
   if (found.body >= 0) return found;
   if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself"};
-  if (const int soft = soft_region(in.parts, *support.regions.begin()); soft >= 0) {
+  for (const int region : support.regions) {
+    const int soft = soft_region(in.parts, region);
+    if (soft < 0) continue;
+    const SoftRegion& part = in.parts.soft[at(soft)];
     if (support.regions.size() > 1)
-      throw refusal_of(in, say("lies on part \"{}\" and on others;", in.parts.soft[at(soft)].name),
-                       "split it into one surface per part");
-    return {in.parts.soft[at(soft)].body, fmt::format("is a surface of the part \"{}\"", in.parts.soft[at(soft)].name)};
+      throw refusal_of(in, say("lies on part \"{}\" and on others;", part.name), "split it into one surface per part");
+    return {part.body, fmt::format("is a surface of the part \"{}\"", part.name)};
   }
   std::map<int, std::string> holders;
   for (int region : support.regions) {
@@ -194,7 +196,8 @@ void refuse_deformable_bone(const ContactSide& in, int material, double E, const
                                                  : fmt::format("E = {:g} against {:g} of \"{}\"", other.E, E,
                                                                in.parts.model.materials[at(material)].name);
   throw refusal_of(in, say("its part also holds material \"{}\" ({}), a deformable bone?", other.name, moduli),
-                   say("DEA keeps bones rigid: type {}", NamedSetting{"rigid", "", other.name}));
+                   say("DEA keeps bones rigid: type {}, or {} to let all of it give way as its elements do",
+                       NamedSetting{"rigid", "", other.name}, NamedSetting{"part", "", other.name}));
 }
 
 /// What is missing, at the line of who should have it: the material, the contact that gives the other one, or the
@@ -284,9 +287,11 @@ Findings other_materials(const ContactSide& in, int material, const std::map<int
     const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
                                          other.name, other_E, other_nu);
     if (ratio > kMostRatio || ratio < 1 / kMostRatio || confined > kMostConfined || confined < 1 / kMostConfined)
-      throw refusal_of(in, say("its part consists of {}, but a layer has one modulus here;", both),
-                       say("give one for all of it with {}, or make parts that are no cartilage rigid with {}",
-                           modulus_settings(in), NamedSetting{"rigid", "", other.name}));
+      throw refusal_of(
+          in, say("its part consists of {}, but a layer has one modulus here;", both),
+          say("give one for all of it with {}, make parts that are no cartilage rigid with {}, or let "
+              "all of it give way as its elements do with {}",
+              modulus_settings(in), NamedSetting{"rigid", "", other.name}, NamedSetting{"part", "", other.name}));
     findings.push_back({"first-material-for-all",
                         {.surface = in.surface.name},
                         {{"materials", both}, {"give_E", NamedSetting{"E"}}, {"give_nu", NamedSetting{"nu"}}}});

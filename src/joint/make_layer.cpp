@@ -29,7 +29,7 @@ std::vector<LayerElement> region_elements(const ModelParts& parts, const std::se
     const Domain& d = parts.model.domains[at(i)];
     if (!deformable(parts, d)) continue;
     for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
-      if (regions.count(parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])]) > 0) elements.push_back({i, e});
+      if (regions.count(region_of(parts, d, e)) > 0) elements.push_back({i, e});
   }
   return elements;
 }

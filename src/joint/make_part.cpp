@@ -90,23 +90,28 @@ void for_each_element(const ModelParts& parts, int region, const Use& use) {
     if (!deformable(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e)
-      if (const int* nodes = d.nodes.data() + e * at(n); parts.region[at(nodes[0])] == region)
-        use(RegionElement{d, e, nodes, n});
+      if (region_of(parts, d, static_cast<int>(e)) == region) use(RegionElement{d, e, d.nodes.data() + e * at(n), n});
   }
 }
 
-/// Two bodies hold it: how it joins them is not known here.
-InputError held_by_two(const ModelParts& parts, const SoftRegion& soft) {
+/// The body that holds a node of a part, -1: none. Nodes that it shares with a layer are held as that is. InputError:
+/// it is held by a third.
+int holder_of(const ModelParts& parts, const SoftRegion& soft, int node) {
+  const std::vector<int>& holders = parts.holders.of_node[at(node)];
+  if (parts.region[at(node)] != soft.region) return soft.body;
+  if (holders.empty()) return -1;
+  for (const int body : {soft.body, soft.other})
+    if (body >= 0 && std::count(holders.begin(), holders.end(), body) > 0) return body;
   const std::vector<Body>& bodies = parts.bodies.bodies;
-  return fault_at(parts.model, {0, 0},
-                  say("part \"{}\" is held by two bodies, \"{}\" and \"{}\", which is not modelled;", soft.name,
-                      bodies[at(soft.body)].name, bodies[at(soft.other)].name),
-                  "hold its nodes by one of them, or fasten it to the other with springs");
+  throw fault_at(
+      parts.model, {0, 0},
+      say("part \"{}\" is held by more than two bodies, \"{}\", \"{}\" and \"{}\", which is not modelled;", soft.name,
+          bodies[at(soft.body)].name, bodies[at(soft.other)].name, bodies[at(holders.front())].name),
+      "hold its nodes by two of them, or fasten it to the third with springs");
 }
 
 SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   const JointModel& model = parts.model;
-  if (soft.other >= 0) throw held_by_two(parts, soft);
   SoftPart part;
   part.name = soft.name;
   part.material = soft.material;
@@ -121,8 +126,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   for (const int node : nodes_of) {
     part.mesh.nodes.push_back(model.nodes[at(node)]);
     box.extend(model.nodes[at(node)]);
-    const std::vector<int>& holders = parts.holders.of_node[at(node)];
-    part.holder.push_back(holders.empty() ? -1 : holders.front());
+    part.holder.push_back(holder_of(parts, soft, node));
   }
   part.depth = 0.5 * box.sizes().minCoeff();
   for_each_element(parts, soft.region, [&](const RegionElement& e) {

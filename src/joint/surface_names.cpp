@@ -37,8 +37,7 @@ Underneath what_is_under(const ModelParts& parts, int surface) {
       bodies.insert(body_of_material(parts, d.material));
       continue;
     }
-    const int region = parts.region[at(d.nodes[at(face->element * nodes_per_element(d.shape))])];
-    const auto held = parts.holders.of_region.find(region);
+    const auto held = parts.holders.of_region.find(region_of(parts, d, face->element));
     if (held != parts.holders.of_region.end())
       for (const auto& holder : held->second) bodies.insert(holder.first);
   }

@@ -132,6 +132,7 @@ struct Settings {
   std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or 1
   std::vector<std::string> rigid;  ///< deformable materials to take as rigid
   std::vector<std::string> part;   ///< deformable materials whose elements are to give way as meshed, no layers
+  std::vector<std::string> leave_out;         ///< deformable materials whose elements are taken out of the model
   std::optional<double> fibre_strain;         ///< at which fibres of parts have their stiffness, >= 0; empty: 0
   std::map<std::string, std::string> attach;  ///< surface -> body it belongs to ("ground" for the ground)
   std::map<std::string, std::string> bone;    ///< articular surface -> surface that is its bone surface

@@ -342,6 +342,10 @@ std::vector<SettingOption> all_options() {
        "Take what is of this deformable material as a part that gives way as its elements do; may be repeated [what "
        "contacts press and nothing holds]",
        [](S& s, Text, Text text) { add_once(s.part, text); }, [](const S& s) { return one(s.part); }},
+      {"leave-out", nullptr, true, "MATERIAL", nullptr, kJoint,
+       "Take the elements of this deformable material, and the springs and contacts on them, out of the model; may be "
+       "repeated",
+       [](S& s, Text, Text text) { add_once(s.leave_out, text); }, [](const S& s) { return one(s.leave_out); }},
       {"fibre-strain", nullptr, false, "STRAIN", nullptr, kJoint,
        "Strain at which the fibres of parts that give way have their stiffness: they are taken as linear [0]",
        [](S& s, Text, Text text) { s.fibre_strain = parse_length(text); },

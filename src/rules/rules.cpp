@@ -450,18 +450,37 @@ std::vector<Rule> all_rules() {
            {{N, "rigid node set \"{set}\" is given for step {step} only; it is taken to hold its nodes in all steps"}}),
       told("taken-as-rigid", "Nothing: you asked for it.",
            {{N, "material \"{material}\" is taken as rigid ({given})"}}),
+      told("left-out", "Nothing: you asked for it.",
+           {{N,
+             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} on "
+             "them"},
+            {W,
+             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} on "
+             "them and {contacts?contact|contacts} {contacts}"}}),
+      told("surface-divided", "Nothing. Give the part a surface of its own to name both yourself.",
+           {{N,
+             "surface \"{surface}\" lies on part \"{part}\" with {facets} of its {all} facets: these are taken as "
+             "surface \"{name}\", with contacts of its own"}}),
       told("part-recognised",
            "Nothing, if it is a meniscus, a disc or a labrum. Take it as rigid, or give its surface a bone or a "
            "thickness, "
            "if it is not.",
            {{N, "part \"{part}\" gives way as its {elements} elements do ({give})"},
             {N,
-             "\"{part}\" is a part of its own, for contacts press two surfaces of it and nothing holds it: it gives "
-             "way as its {elements} "
-             "elements do; {rigid} takes it as rigid"},
+             "\"{part}\" is a part of its own, for two contacts press it and nothing holds it: it gives way as its "
+             "{elements} elements do; {rigid} takes it as rigid"},
             {N,
              "\"{part}\" is a part on body \"{body}\" and no layer, for behind most of what contacts press of it there "
-             "is no bone: it gives way as its {elements} elements do; {rigid} takes it as rigid"}}),
+             "is no bone: it gives way as its {elements} elements do; {rigid} takes it as rigid"},
+            {N,
+             "\"{part}\" is a part on body \"{body}\", for behind most of what contacts press of it there is no bone, "
+             "as "
+             "there is behind the layer it shares nodes with; those count as held: it gives way as its {elements} "
+             "elements do; {rigid} takes it as rigid"},
+            {N,
+             "\"{part}\" is a part on body \"{body}\" with what hangs on it and has no bone behind it, and no layer: "
+             "all of "
+             "it gives way as its {elements} elements do; {rigid} takes it as rigid"}}),
       told("part-fibres",
            "Look at the modulus: of fibres that stiffen as they are drawn it depends on how far they are.",
            {{N,

@@ -14,10 +14,13 @@
 #include "src/equilibrium/rows.h"
 #include "src/equilibrium/times.h"
 #include "src/facts/bodies.h"
+#include "src/facts/left_out.h"
 #include "src/facts/node_holds.h"
+#include "src/facts/split_surfaces.h"
 #include "src/joint/placing.h"
 #include "src/joint/surface_names.h"
 #include "src/model/load_curve.h"
+#include "src/model/sound_mesh.h"
 #include "src/results/inside_fields.h"
 
 namespace dea {
@@ -122,6 +125,7 @@ Recognition recognise_joint(JointModel given, Settings settings) {
   Recognition r;
   r.model = std::move(given);
   r.settings = std::move(settings);
+  const Findings left_out = leave_out(r.model, r.settings);
   const JointModel& model = r.model;
   const bool sliding = std::any_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind == Contact::Kind::Sliding; });
@@ -130,9 +134,14 @@ Recognition recognise_joint(JointModel given, Settings settings) {
   if (no_body) r.faults.push_back(*no_body);
   add_once(r.faults, unsupported_faults(model));
   if (sliding && !no_body) {
-    Findings naming;
+    Findings naming = left_out;
     r.settings = name_surfaces(model, r.settings, naming);
     JointFound found = find_joint(model, r.settings);
+    if (!found.faults.empty() && mesh_faults(model).empty())
+      if (const Findings divided = split_surfaces(r.model, r.settings); !divided.empty()) {
+        add_once(naming, divided);
+        found = find_joint(model, r.settings);
+      }
     add_once(naming, found.joint.findings);
     found.joint.findings = std::move(naming);
     add_once(r.faults, found.faults);

@@ -106,9 +106,10 @@ std::vector<int> patches_of(const SurfaceMesh& mesh, int count) {
   return patch;
 }
 
-/// Forces on the nodes of a part that are like those of contacts and ligaments: pressures on patches of its surfaces,
-/// and smooth forces on all of it.
-Nodal forces_like_contact(const Joint& joint, const SoftPart& of, const std::vector<double>& volume) {
+/// Forces on the nodes of a part that are like those of contacts: pressures on patches of its surfaces, and smooth
+/// forces on all of it.
+std::vector<Eigen::VectorXd> forces_like_contact(const Joint& joint, const SoftPart& of,
+                                                 const std::vector<double>& volume) {
   constexpr int kPatches = 100;  // less often the search is led too far, more each step costs
   const int n = of.mesh.size();
   double area = 0.0;
@@ -140,10 +141,33 @@ Nodal forces_like_contact(const Joint& joint, const SoftPart& of, const std::vec
       forces.back()[3 * i + m % 3] = volume[at(i)] * (m < 3 ? 1.0 : x[m / 3 - 1]);
     }
   }
-  Nodal all(3 * n, static_cast<Eigen::Index>(forces.size()));
-  for (std::size_t k = 0; k < forces.size(); ++k)
-    all.col(static_cast<Eigen::Index>(k)) = forces[k] / std::max(1e-300, forces[k].norm());
-  return all;
+  return forces;
+}
+
+/// Forces on its nodes that ligaments and holds exert, at each node as many directions as they differ in.
+std::vector<Eigen::VectorXd> forces_like_ties(const Joint& joint, const SoftPart& of,
+                                              const std::vector<PartTie>& holds) {
+  constexpr std::size_t kMost = 100;  // more are like their neighbours
+  std::vector<std::pair<int, Vector3d>> ties;
+  for (const PartTie& hold : holds) ties.emplace_back(hold.source_node, Vector3d::Unit(hold.axis));
+  std::vector<std::pair<int, Vector3d>> lines;
+  for (const Ligament& l : joint.ligaments)
+    for (const int end : l.part_node)
+      if (const int node = end < 0 ? -1 : of.node_of(end); node >= 0)
+        lines.emplace_back(node, (l.point_b - l.point_a).normalized());
+  const std::size_t stride = lines.size() / kMost + 1;
+  for (std::size_t k = 0; k < lines.size(); k += stride) ties.push_back(lines[k]);
+  std::vector<Eigen::VectorXd> forces;
+  std::map<int, std::vector<Vector3d>> known;  // per node, across each other
+  for (const auto& [node, direction] : ties) {
+    Vector3d other = direction;
+    for (const Vector3d& d : known[node]) other -= other.dot(d) * d;
+    if (!(other.norm() > 0.3)) continue;
+    known[node].push_back(other.normalized());
+    forces.emplace_back(Eigen::VectorXd::Zero(3 * of.mesh.size()));
+    forces.back().segment<3>(3 * node) = other;
+  }
+  return forces;
 }
 
 }  // namespace
@@ -152,10 +176,36 @@ std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart
   std::vector<PartHold> hold;
   for (const int body : of.holder)
     hold.push_back(body < 0 ? PartHold::None : body == of.body ? PartHold::Frame : PartHold::Other);
-  const Vector3d center = of.other >= 0 ? joint.bodies[at(of.other)].center_of_mass : Vector3d::Zero();
-  PartOperator part = make_part_operator(of.mesh, std::move(hold), center);
-  learn_soft(part, forces_like_contact(joint, of, part.volume));
+  PartOperator part = make_part_operator(of.mesh, std::move(hold));
+  const std::vector<Eigen::VectorXd> contact = forces_like_contact(joint, of, part.volume),
+                                     ties = forces_like_ties(joint, of, part_holds(of, part));
+  Nodal forces(3 * of.mesh.size(), static_cast<Eigen::Index>(contact.size() + ties.size()));
+  Eigen::Index k = 0;
+  for (const auto* all : {&contact, &ties})
+    for (const Eigen::VectorXd& force : *all) forces.col(k++) = force / std::max(1e-300, force.norm());
+  learn_soft(part, forces);
   return std::make_shared<const PartOperator>(std::move(part));
+}
+
+std::vector<PartTie> part_holds(const SoftPart& of, const PartOperator& made) {
+  constexpr std::size_t kNodes = 4;
+  constexpr double kStiff = 1e4;
+  std::vector<PartTie> holds;
+  std::vector<double> distance(at(of.mesh.size()), -1.0);
+  for (int i = 0; i < of.mesh.size() && of.other >= 0; ++i)
+    if (made.hold[at(i)] == PartHold::Other) distance[at(i)] = (of.mesh.nodes[at(i)] - made.center).norm();
+  for (std::size_t k = 0; k < kNodes; ++k) {
+    const auto far = std::max_element(distance.begin(), distance.end());
+    if (!(*far > (k == 0 ? -1.0 : 0.0))) break;
+    const auto node = static_cast<int>(far - distance.begin());
+    const Vector3d& x = of.mesh.nodes[at(node)];
+    for (int axis = 0; axis < 3; ++axis)
+      holds.push_back({-1, x, x, node, -1, axis, kStiff * made.S.diagonal().head<3>().maxCoeff()});
+    for (int i = 0; i < of.mesh.size(); ++i)
+      if (double& d = distance[at(i)]; d >= 0)
+        d = k == 0 ? (of.mesh.nodes[at(i)] - x).norm() : std::min(d, (of.mesh.nodes[at(i)] - x).norm());
+  }
+  return holds;
 }
 
 std::vector<PartQuad> part_quads(const SurfaceMesh& mesh) {
@@ -201,15 +251,22 @@ SpringStates tie_states(const SpringBed& bed, const Pose& source, const Pose& ta
   double soft = 0.0;
   for (const PartOperator* part : parts_of(bed)) soft = std::max(soft, part->softness);
   const double least = 1e-9 * std::sqrt(bed.tie_area) / soft;  // slope of what has none: nothing beside the part's own
+  const Eigen::Matrix3d& axes = (bed.layers->source.part ? source : target).rotation;
   for (std::size_t k = 0; k < bed.ties.size(); ++k) {
     const PartTie& tie = bed.ties[k];
     s.foot[k] = source.center + source.rotation * (tie.source - bed.source_center);
     s.end[k] = target.center + target.rotation * (tie.target - bed.target_center);
     const Vector3d line = s.foot[k] - s.end[k];
     const double length = line.norm();
-    const std::optional<Tension> t = length > 0 ? law(tie.ligament, length) : std::nullopt;
+    std::optional<Tension> t;
+    if (bed.holds()) {
+      s.direction[k] = axes.col(tie.axis);
+      t = Tension{tie.stiffness * s.direction[k].dot(line), tie.stiffness};
+    } else {
+      s.direction[k] = length > 0 ? Vector3d(line / length) : Vector3d(Vector3d::UnitZ());
+      if (length > 0) t = law(tie.ligament, length);
+    }
     s.triangle[k] = t ? 0 : -1;
-    s.direction[k] = length > 0 ? Vector3d(line / length) : Vector3d(Vector3d::UnitZ());
     s.normal[k] = -s.direction[k];
     s.gap[k] = kInfinity;
     if (!t) continue;

@@ -12,6 +12,10 @@ namespace dea {
 /// The operator of a part of the joint.
 std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart& part);
 
+/// What joins a part to the second body that holds it (P3): springs so stiff that what they give is nothing beside the
+/// part, along all axes at nodes far apart. None where one body holds it. Its frame's end is the source.
+std::vector<PartTie> part_holds(const SoftPart& part, const PartOperator& made);
+
 /// The other halves of the quadrilaterals that a surface's triangles are halves of.
 std::vector<PartQuad> part_quads(const SurfaceMesh& mesh);
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "src/base/decompositions.h"
@@ -176,6 +175,14 @@ MatrixXd solve_all(const PartOperator& part, const MatrixXd& b) {
   return x;
 }
 
+/// The inverse on what strains the part: of a piece of one or two nodes, some turns do not.
+Matrix6d inverse_without_null(const Matrix6d& S) {
+  const VectorXd scale = S.diagonal().cwiseMax(1e-12 * S.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
+  const Eigenvalues e = symmetric_eigen(scale.asDiagonal() * S * scale.asDiagonal());
+  const VectorXd inverse = e.values.unaryExpr([](double v) { return v > 1e-9 ? 1 / v : 0.0; });
+  return scale.asDiagonal() * e.vectors * inverse.asDiagonal() * e.vectors.transpose() * scale.asDiagonal();
+}
+
 /// Rows of one node in a matrix over the unknowns; zero where it is held.
 template <class Rows>
 Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int node, const Rows& values) {
@@ -187,7 +194,7 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int n
 
 }  // namespace
 
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center) {
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold) {
   PartOperator part;
   part.mesh = std::move(mesh);
   part.hold = std::move(hold);
@@ -195,7 +202,9 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const
   for (const Matrix6d& D : part.mesh.elastic)
     part.softness = std::max(part.softness, D.inverse().diagonal().head<3>().minCoeff());
   part.free = std::all_of(part.hold.begin(), part.hold.end(), [](PartHold h) { return h == PartHold::None; });
-  const bool two = std::count(part.hold.begin(), part.hold.end(), PartHold::Other) > 0;
+  const auto on_other = std::count(part.hold.begin(), part.hold.end(), PartHold::Other);
+  for (int i = 0; i < n && on_other > 0; ++i)
+    if (part.hold[at(i)] == PartHold::Other) part.center += part.mesh.nodes[at(i)] / static_cast<double>(on_other);
   std::vector<std::array<int, 2>> pairs = node_pairs(part.mesh);
   add_dilatation_pairs(part.mesh, pairs);
   std::sort(pairs.begin(), pairs.end());
@@ -209,16 +218,15 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const
   const SymmetricPattern pattern = pattern_of(part, pairs);
   std::vector<double> values(at(pattern.entries()), 0.0);
   part.volume.assign(at(n), 0.0);
-  part.center = other_center;
   const int unknowns = pattern.size();
   MatrixXd T = MatrixXd::Zero(unknowns, 6);  // K_fh R_h
   Matrix6d S = Matrix6d::Zero();             // R_h^T K_hh R_h
   for_each_stiffness(part.mesh, part.volume, [&](int a, int b, const Eigen::Matrix3d& k) {
     const bool b_other = part.hold[at(b)] == PartHold::Other;
     Eigen::Matrix<double, 3, 6> moved;
-    if (b_other) moved = k * rigid_motion(part.mesh.nodes[at(b)] - other_center);
+    if (b_other) moved = k * rigid_motion(part.mesh.nodes[at(b)] - part.center);
     if (b_other && part.hold[at(a)] == PartHold::Other)
-      S += rigid_motion(part.mesh.nodes[at(a)] - other_center).transpose() * moved;
+      S += rigid_motion(part.mesh.nodes[at(a)] - part.center).transpose() * moved;
     for (int i = 0; i < 3; ++i) {
       const int row = part.unknown[at(3 * a + i)];
       if (row < 0) continue;
@@ -229,9 +237,10 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const
     }
   });
   part.factor = factorise(pattern, values);
-  if (two) {
+  if (on_other > 0) {
     part.W = -solve_all(part, T);
     part.S = S + T.transpose() * part.W;
+    part.S_inverse = inverse_without_null(part.S);
   }
   if (!part.free) return part;
   double all = 0.0;
@@ -255,6 +264,30 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const
   return part;
 }
 
+namespace {
+
+/// Is there more to a part's displacements than K^-1 f?
+bool has_rest(const PartOperator& part) { return part.free || part.W.size() > 0; }
+
+/// Z or W at a node; the nodes that the second body holds move as one piece.
+Eigen::Matrix<double, 3, 6> rest_at(const PartOperator& part, int node) {
+  if (part.hold[at(node)] == PartHold::Other) return rigid_motion(part.mesh.nodes[at(node)] - part.center);
+  return at_node(part, node, part.free ? part.Z : part.W);
+}
+
+/// What of displacements is no K^-1 f. Of a free part Z c + R mean, which takes out its mean motion (P2); of one that
+/// two bodies hold W c, by what the piece that the second holds moves (P3).
+struct Rest {
+  MatrixXd c, mean;
+  /// Z^T f or W^T f, and R^T f of a free part.
+  Rest(const PartOperator& part, const MatrixXd& on_rest, const MatrixXd& wrench)
+      : c(part.free ? MatrixXd(-part.G_inverse * wrench) : MatrixXd(part.S_inverse * on_rest)) {
+    if (part.free) mean = -part.G_inverse * (on_rest + part.S * c);
+  }
+};
+
+}  // namespace
+
 void set_reach(PartFeet& feet, const PartOperator& part) {
   std::vector<int> unknowns;
   for (const int node : feet.node)
@@ -263,53 +296,39 @@ void set_reach(PartFeet& feet, const PartOperator& part) {
   std::sort(unknowns.begin(), unknowns.end());
   unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
   feet.columns = columns_for(part.factor, unknowns);
-}
-
-namespace {
-
-/// What of a free part's displacements is no K_p^-1 f: c, and the mean motion that is taken out (P2).
-struct FreePart {
-  MatrixXd c, mean;
-  FreePart(const PartOperator& part, const MatrixXd& wrench, const MatrixXd& along_Z)
-      : c(part.G_inverse * wrench), mean(part.G_inverse * (along_Z - part.S * c)) {}
-  Eigen::Matrix<double, 3, Eigen::Dynamic> at(const PartOperator& part, int node) const {
-    return at_node(part, node, part.Z) * c + rigid_motion(part.mesh.nodes[dea::at(node)] - part.center) * mean;
-  }
-};
-
-}  // namespace
-
-MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd& pressure) {
-  Nodal b = Nodal::Zero(part.factor.size(), pressure.cols());
-  MatrixXd wrench = MatrixXd::Zero(6, pressure.cols()), along_Z = wrench;
+  if (!has_rest(part)) return;
+  feet.on_rest = MatrixXd::Zero(feet.size(), 6);
+  feet.wrench = MatrixXd::Zero(part.free ? feet.size() : 0, 6);
   for (int i = 0; i < feet.size(); ++i)
     for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j) {
       const int node = feet.node[at(j)];
-      for (int k = 0; k < 3; ++k)
-        if (const int row = part.unknown[at(3 * node + k)]; row >= 0)
-          b.row(row) += feet.weight[at(j)][k] * pressure.row(i);
+      feet.on_rest.row(i) += feet.weight[at(j)].transpose() * rest_at(part, node);
       if (part.free)
-        wrench +=
-            rigid_motion(part.mesh.nodes[at(node)] - part.center).transpose() * feet.weight[at(j)] * pressure.row(i);
+        feet.wrench.row(i) += feet.weight[at(j)].transpose() * rigid_motion(part.mesh.nodes[at(node)] - part.center);
     }
-  if (part.free) along_Z = part.Z.transpose() * b;
-  solve(part.factor, feet.columns, b);
-  std::optional<FreePart> rest;
-  if (part.free) rest.emplace(part, wrench, along_Z);
-  MatrixXd w = MatrixXd::Zero(feet.size(), pressure.cols());
-  std::map<int, Eigen::Matrix<double, 3, Eigen::Dynamic>> of_rest;
-  for (int i = 0; i < feet.size(); ++i) {
-    if (!(feet.area[at(i)] > 0)) continue;
-    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j) {
-      const int node = feet.node[at(j)];
-      const Vector3d weight = feet.weight[at(j)] / feet.area[at(i)];
+}
+
+MatrixXd sinking(const PartOperator& part, const PartFeet& feet, const MatrixXd& pressure) {
+  Nodal b = Nodal::Zero(part.factor.size(), pressure.cols());
+  for (int i = 0; i < feet.size(); ++i)
+    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j)
       for (int k = 0; k < 3; ++k)
-        if (const int row = part.unknown[at(3 * node + k)]; row >= 0) w.row(i) += weight[k] * b.row(row);
-      if (!part.free) continue;
-      auto place = of_rest.find(node);
-      if (place == of_rest.end()) place = of_rest.emplace(node, rest->at(part, node)).first;
-      w.row(i) -= weight.transpose() * place->second;
-    }
+        if (const int row = part.unknown[at(3 * feet.node[at(j)] + k)]; row >= 0)
+          b.row(row) += feet.weight[at(j)][k] * pressure.row(i);
+  solve(part.factor, feet.columns, b);
+  MatrixXd w = MatrixXd::Zero(feet.size(), pressure.cols());
+  if (has_rest(part)) {
+    const MatrixXd wrench = part.free ? MatrixXd(feet.wrench.transpose() * pressure) : MatrixXd();
+    const Rest rest(part, feet.on_rest.transpose() * pressure, wrench);
+    w = feet.on_rest * rest.c;
+    if (part.free) w += feet.wrench * rest.mean;
+  }
+  for (int i = 0; i < feet.size(); ++i) {
+    for (int j = feet.begin[at(i)]; j < feet.begin[at(i) + 1]; ++j)
+      for (int k = 0; k < 3; ++k)
+        if (const int row = part.unknown[at(3 * feet.node[at(j)] + k)]; row >= 0)
+          w.row(i) += feet.weight[at(j)][k] * b.row(row);
+    w.row(i) *= feet.area[at(i)] > 0 ? 1 / feet.area[at(i)] : 0.0;
   }
   return w;
 }
@@ -358,35 +377,23 @@ Nodal displacements(const PartOperator& part, const Nodal& force) {
   const Nodal b = on_unknowns(part, force), x = solve_all(part, b);
   Nodal u(force.rows(), force.cols());
   for (int i = 0; i < part.mesh.size(); ++i) u.middleRows<3>(3 * i) = at_node(part, i, x);
-  if (!part.free) return u;
-  MatrixXd wrench = MatrixXd::Zero(6, force.cols());
-  for (int i = 0; i < part.mesh.size(); ++i)
-    wrench += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.middleRows<3>(3 * i);
-  const FreePart rest(part, wrench, part.Z.transpose() * b);
-  for (int i = 0; i < part.mesh.size(); ++i) u.middleRows<3>(3 * i) -= rest.at(part, i);
+  if (!has_rest(part)) return u;
+  MatrixXd on_rest = MatrixXd::Zero(6, force.cols()), wrench = on_rest;
+  const auto arm = [&part](int node) { return Vector3d(part.mesh.nodes[at(node)] - part.center); };
+  for (int i = 0; i < part.mesh.size(); ++i) {
+    on_rest += rest_at(part, i).transpose() * force.middleRows<3>(3 * i);
+    wrench += rigid_motion(arm(i)).transpose() * force.middleRows<3>(3 * i);
+  }
+  const Rest rest(part, on_rest, wrench);
+  for (int i = 0; i < part.mesh.size(); ++i) {
+    u.middleRows<3>(3 * i) += rest_at(part, i) * rest.c;
+    if (part.free) u.middleRows<3>(3 * i) += rigid_motion(arm(i)) * rest.mean;
+  }
   return u;
 }
 
-Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force,
-                               const Eigen::Matrix<double, 6, 1>& other) {
-  Eigen::MatrixX3d u = by_node(displacements(part, as_column(force)));
-  if (part.W.size() == 0) return u;
-  const Nodal x = part.W * other;
-  for (int i = 0; i < part.mesh.size(); ++i)
-    if (part.hold[at(i)] == PartHold::Other)
-      u.row(i) = (rigid_motion(part.mesh.nodes[at(i)] - part.center) * other).transpose();
-    else
-      u.row(i) += at_node(part, i, x).transpose();
-  return u;
-}
-
-Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen::MatrixX3d& force,
-                                           const Eigen::Matrix<double, 6, 1>& other) {
-  Eigen::Matrix<double, 6, 1> on = part.W.transpose() * on_unknowns(part, as_column(force)) - part.S * other;
-  for (int i = 0; i < part.mesh.size(); ++i)
-    if (part.hold[at(i)] == PartHold::Other)
-      on += rigid_motion(part.mesh.nodes[at(i)] - part.center).transpose() * force.row(i).transpose();
-  return on;
+Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force) {
+  return by_node(displacements(part, as_column(force)));
 }
 
 void learn_soft(PartOperator& part, const Nodal& forces) {

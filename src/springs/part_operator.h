@@ -22,8 +22,9 @@ enum class PartHold : unsigned char { None, Frame, Other };
 ///     c = G^-1 R^T f,   v = K_p^-1 f - Z c,   u = v - R G^-1 (Z^T f - S c)
 /// which needs a sparse solution at the nodes asked for alone.
 ///
-/// A second body holds it, too: u = K^-1 f + W theta, theta the other's small rigid motion in the frame; the force on
-/// the other is W^T f - S theta                                                                                   (P3)
+/// A second body holds it, too: the nodes that it holds move as one rigid piece by theta, small, about `center`,
+///     u = K^-1 f + W theta,   S theta = W^T f + R^T f_h                                                          (P3)
+/// with f_h the forces on them. Holds (PartTie) join the piece to that body.
 struct PartOperator {
   PartMesh mesh;
   std::vector<PartHold> hold;  ///< per node
@@ -36,15 +37,15 @@ struct PartOperator {
   Nodal soft;
   bool free = false;  ///< nothing holds it
   Vector3d center =
-      Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of `Other` its own
+      Vector3d::Zero();  ///< R, theta are about this point: the part's centre of volume; of the nodes held by `Other`
   Eigen::MatrixXd Z;     ///< free: unknowns x 6
   Eigen::Matrix<double, 6, 6> G_inverse, S;
-  Eigen::MatrixXd W;  ///< held by two bodies: unknowns x 6
+  Eigen::MatrixXd W;                      ///< held by two bodies: unknowns x 6
+  Eigen::Matrix<double, 6, 6> S_inverse;  ///< of P3's S; where turning the piece strains nothing, zero
 };
 
-/// `other_center`: about which the second holder's motion is told. Throws std::runtime_error where what holds it leaves
-/// it a motion, or a piece of it hangs on nothing.
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const Vector3d& other_center = {0, 0, 0});
+/// Throws std::runtime_error where what holds it leaves it a motion, or a piece of it hangs on nothing.
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold);
 
 /// Sets `soft` by forces on nodes, 3 per node x columns: U = K^-1 F (F^T K^-1 F)^(-1/2).
 void learn_soft(PartOperator& part, const Nodal& forces);
@@ -56,7 +57,10 @@ struct PartFeet {
   std::vector<Vector3d> weight;  ///< [mm^2]: area times direction, times the node's share
   std::vector<double> area;      ///< per foot [mm^2]; 0: it stands on nothing
   std::vector<double> scale;     ///< about how far it sinks for itself per pressure [mm/MPa]: leads searches, no more
-  std::vector<int> columns;      ///< of the factor: those that feet have to do with (set_reach)
+  // of the part that they press (set_reach):
+  std::vector<int> columns;  ///< of the factor: those that feet have to do with
+  Eigen::MatrixXd on_rest;   ///< feet x 6, N_i^T Z (P2) or N_i^T W (P3)
+  Eigen::MatrixXd wrench;    ///< feet x 6, N_i^T R of a free part
   int size() const { return static_cast<int>(area.size()); }
 };
 void set_reach(PartFeet& feet, const PartOperator& part);
@@ -73,16 +77,11 @@ Nodal along_forces(const PartFeet& feet, const Nodal& motions);
 
 /// Displacements of all nodes under forces on them, both 3 per node x columns, in the frame.
 Nodal displacements(const PartOperator& part, const Nodal& force);
-/// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame. `other`: the second
-/// holder's motion: translation of `center`, rotation.
-Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force,
-                               const Eigen::Matrix<double, 6, 1>& other = Eigen::Matrix<double, 6, 1>::Zero());
+/// Displacements of all nodes [mm, nodes x 3] under forces on them [N, nodes x 3], in the frame.
+Eigen::MatrixX3d displacements(const PartOperator& part, const Eigen::MatrixX3d& force);
 /// Forces of the feet on all nodes, 3 per node x columns.
 Nodal nodal_forces(const PartOperator& part, const PartFeet& feet, const Eigen::MatrixXd& pressure);
 /// A column of 3 per node as nodes x 3.
 Eigen::MatrixX3d by_node(const Nodal& column);
-/// Force and moment about `center` that the part exerts on its second holder (P3).
-Eigen::Matrix<double, 6, 1> force_on_other(const PartOperator& part, const Eigen::MatrixX3d& force,
-                                           const Eigen::Matrix<double, 6, 1>& other);
 
 }  // namespace dea

@@ -37,11 +37,14 @@ struct Tension {
   double slope = 0.0;
 };
 
-/// A ligament of which an end is a node of a part that nobody holds: it moves the part, and gives way with it.
+/// A ligament of which an end is a node of a part that nobody holds: it moves the part, and gives way with it. Or a
+/// hold of a node by the second of two bodies that hold a part: a stiff spring along an axis of the part's frame.
 struct PartTie {
-  int ligament = -1;                                              ///< index into Joint::ligaments
+  int ligament = -1;                                              ///< index into Joint::ligaments; -1: a hold
   Vector3d source = Vector3d::Zero(), target = Vector3d::Zero();  ///< its ends, in the bodies' reference frames
   int source_node = -1, target_node = -1;                         ///< nodes of parts; -1: the end is the body's own
+  int axis = 0;                                                   ///< of a hold: 0 to 2
+  double stiffness = 0.0;                                         ///< of a hold [N/mm]
 };
 
 /// Everything needed again and again at new poses. A value: pressed by several callers at a time, it never changes.
@@ -56,10 +59,11 @@ struct SpringBed {
   double max_target_thickness = 0.0;
   double part_depth = 0.0;  ///< SoftPart::depth of both sides: so much deeper a foot may stand before it is too deep
   std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
-  /// Not empty: the bed is no contact but the ligaments between two bodies that parts have to do with. They have no
-  /// springs; each is one foot with this area, which stands for nothing: pressures are tensions per area.
+  /// Not empty: the bed is no contact but the ligaments, or the holds, between two bodies that parts have to do with.
+  /// They have no springs; each is one foot with this area, which stands for nothing: pressures are tensions per area.
   std::vector<PartTie> ties;
   double tie_area = 0.0;
+  bool holds() const { return !ties.empty() && ties.front().ligament < 0; }  ///< all of `ties` are
   int size() const { return ties.empty() ? springs.size() : static_cast<int>(ties.size()); }
 };
 

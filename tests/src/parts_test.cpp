@@ -168,6 +168,142 @@ TEST(Parts, SpringsOnItsNodes) {
   EXPECT_LT(sx, -0.001);
 }
 
+/// The nodes of a block of 6 x 6 x 3, the first of the model, with this x, on a body of their own; its material.
+int hold_end(JointModel& model, double x, const std::string& body) {
+  RigidNodes end;
+  end.material = add_material(model, body, true);
+  for (int i = 0; i < 7 * 7 * 4; ++i)
+    if (std::abs(model.nodes[at(i)][0] - x) < 1e-9) end.nodes.push_back(i);
+  model.rigid_nodes.push_back(end);
+  return end.material;
+}
+
+/// Takes the facets of a surface with nodes at x = 0 or 6 out.
+void leave_ends(const JointModel& model, Surface& surface) {
+  FacetList inner;
+  for (int f = 0; f < surface.size(); ++f) {
+    const std::vector<int> facet = surface.facet(f);
+    if (std::all_of(facet.begin(), facet.end(), [&model](int node) {
+          const double x = model.nodes[at(node)][0];
+          return x > 0.5 && x < 5.5;
+        }))
+      inner.add(facet);
+  }
+  static_cast<FacetList&>(surface) = inner;
+}
+
+/// A part between two bodies, one of which can move (P3). Both at rest: as one that one body holds. A force along the
+/// part: F L/(E A), exact for nu = 0, whatever presses it from above.
+TEST(Parts, TwoBodiesHoldIt) {
+  const double E = 10, d = 0.1;
+  const auto ends = [&](double nu, double depth, bool apart, bool frame_moves, double F) {
+    Pressed in = block_between_plates(E, nu, depth);
+    for (const int surface : {0, 1}) leave_ends(in.model, in.model.surfaces[at(surface)]);
+    const int left = hold_end(in.model, 0, "left");
+    const int right = apart ? hold_end(in.model, 6, "right") : left;
+    if (!apart)
+      for (int i = 0; i < 7 * 7 * 4; ++i)
+        if (std::abs(in.model.nodes[at(i)][0] - 6) < 1e-9) in.model.rigid_nodes[0].nodes.push_back(i);
+    const int moves = frame_moves ? left : right;
+    for (const int end : {left, right})
+      if (end != moves || F == 0) fix(in.model, end, {true, true, true, true, true, true});
+    Settings settings;
+    if (F != 0) settings.force[frame_moves ? "left" : "right"] = {frame_moves ? -F : F, 0, 0};
+    return solve(in.model, settings);
+  };
+  const Solved one = ends(0.3, d, false, false, 0), two = ends(0.3, d, true, false, 0);
+  ASSERT_EQ(two.joint.parts.size(), 1u);
+  EXPECT_GE(two.joint.parts[0].other, 0);
+  EXPECT_EQ(two.e.outcome, one.e.outcome);
+  const double pressed = one.e.contact_on_target[0].norm();
+  EXPECT_GT(pressed, E * 24 * d / 3);
+  EXPECT_LT((two.e.contact_on_target[0] - one.e.contact_on_target[0]).norm(), 1e-3 * pressed);
+  for (const bool frame_moves : {false, true}) {
+    const double F = 4;
+    const Solved s = ends(0.0, 0.01, true, frame_moves, F);
+    ASSERT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    const auto went = [&s](const std::string& name) {
+      const Vector3d end(name == "left" ? 0 : 6, 3, 1.5);
+      for (std::size_t b = 0; b < s.joint.bodies.size(); ++b)
+        if (s.joint.bodies[b].name == name)
+          return Vector3d(s.e.poses[b].center + s.e.poses[b].rotation * (end - s.joint.bodies[b].center_of_mass) - end);
+      return Vector3d(Vector3d::Constant(1e9));
+    };
+    EXPECT_NEAR(went("right")[0] - went("left")[0], F * 6 / (E * 18), 2e-3 * F * 6 / (E * 18)) << frame_moves;
+  }
+}
+
+/// A labrum that shares nodes with the cartilage: a part beside a layer in one region of the model, held by the layer's
+/// bone where they meet, as if all of it were a part and its cartilage did not give way.
+TEST(Parts, BesideALayerInOneRegion) {
+  Pressed in = block_between_plates(10, 0.3, 0.1);
+  JointModel& model = in.model;
+  Domain labrum = model.domains[0];
+  labrum.name = "labrum";
+  labrum.material = add_material(model, "labrum", false, 40, 0.3);
+  Domain& cartilage = model.domains[0];
+  const auto take = [&model](Domain& d, bool left) {
+    std::vector<int> nodes;
+    for (std::size_t e = 0; e < 6 * 6 * 3; ++e)
+      if ((model.nodes[at(d.nodes[8 * e])][0] < 2.5) == left)
+        nodes.insert(nodes.end(), d.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e),
+                     d.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e + 8));
+    d.nodes = nodes;
+    d.element_ids.resize(nodes.size() / 8);
+  };
+  take(cartilage, true);
+  take(labrum, false);
+  model.domains.push_back(labrum);
+  const std::vector<int> top = model.surfaces[0].nodes;
+  std::vector<int> of_left, of_right;
+  for (std::size_t f = 0; f < top.size(); f += 4) {
+    double x = 0;
+    for (std::size_t k = 0; k < 4; ++k) x += model.nodes[at(top[f + k])][0] / 4;
+    std::vector<int>& of = x < 3 ? of_left : of_right;
+    of.insert(of.end(), top.begin() + static_cast<std::ptrdiff_t>(f), top.begin() + static_cast<std::ptrdiff_t>(f + 4));
+  }
+  const int left = add_surface(model, "left", of_left), right = add_surface(model, "right", of_right);
+  const int above = model.contacts[0].secondary;
+  model.contacts.clear();
+  add_contact(model, "left", left, above);
+  add_contact(model, "right", right, above);
+  RigidNodes bone;
+  bone.material = in.lower;
+  for (int i = 0; i < 7 * 7 * 4; ++i)
+    if ((model.nodes[at(i)][2] < 1e-9 && model.nodes[at(i)][0] < 3 + 1e-9) || model.nodes[at(i)][0] > 6 - 1e-9)
+      bone.nodes.push_back(i);
+  model.rigid_nodes.push_back(bone);
+  const Joint joint = make_joint(model, {});
+  ASSERT_EQ(joint.parts.size(), 1u);
+  const SoftPart& part = joint.parts[0];
+  EXPECT_EQ(part.name, "labrum");
+  EXPECT_EQ(part.mesh.elements(), 3 * 6 * 3);
+  for (int i = 0; i < part.mesh.size(); ++i)
+    EXPECT_EQ(part.holder[at(i)] >= 0, std::abs(part.mesh.nodes[at(i)][0] - 4.5) > 1.5 - 1e-9);
+  EXPECT_EQ(joint.contacts[0].layers[0].part, -1);
+  EXPECT_EQ(joint.contacts[0].layers[0].elasticity.E, 10);
+  EXPECT_EQ(joint.contacts[1].layers[0].part, 0);
+  const Solved both = solve(model);
+  JointModel alone = model;
+  alone.domains.pop_back();  // of materials, what is held alone is left
+  alone.domains.back() = model.domains.back();
+  alone.contacts.erase(alone.contacts.begin());
+  RigidNodes cut;
+  cut.material = in.lower;
+  for (int i = 0; i < 7 * 7 * 4; ++i)
+    if (std::abs(model.nodes[at(i)][0] - 4.5) > 1.5 - 1e-9 && model.nodes[at(i)][0] > 2) cut.nodes.push_back(i);
+  alone.rigid_nodes = {cut};
+  const Solved held = solve(alone);
+  EXPECT_GT(held.e.contact_on_target[0].norm(), 1);
+  // not on bone itself it goes along with the cartilage: all is one part
+  std::erase_if(model.rigid_nodes.back().nodes, [&](int node) { return model.nodes[at(node)][0] > 3 + 1e-9; });
+  const Joint hanging = make_joint(model, {});
+  ASSERT_EQ(hanging.parts.size(), 1u);
+  EXPECT_EQ(hanging.parts[0].mesh.elements(), 6 * 6 * 3);
+  EXPECT_LT((both.e.contact_on_target[1] - held.e.contact_on_target[0]).norm(),
+            1e-6 * held.e.contact_on_target[0].norm());
+}
+
 /// A sphere on a block bonded below, against the exact layer; the block 6 thicknesses of the contact wide. `--part`
 /// names it: it would be a layer of cartilage otherwise.
 TEST(Parts, SphereOnABlockIsTheExactLayer) {
@@ -322,18 +458,8 @@ TEST(Parts, AreRefusedWithAReason) {
   Settings wrong;
   wrong.part = {"upper"};
   EXPECT_THROW(make_joint(in.model, wrong), UsageError) << "it is rigid";
-  RigidNodes a, b;  // held by both plates
-  a.material = in.upper;
-  b.material = in.lower;
-  for (int i = 0; i < 7 * 7 * 4; ++i)
-    if (in.model.nodes[at(i)][2] > 2.9)
-      a.nodes.push_back(i);
-    else if (in.model.nodes[at(i)][2] < 0.1)
-      b.nodes.push_back(i);
-  in.model.rigid_nodes = {a, b};
-  Settings named;
-  named.part = {"disc"};
-  EXPECT_THROW(make_joint(in.model, named), InputError);
+  for (const double x : {0.0, 3.0, 6.0}) hold_end(in.model, x, "body at " + std::to_string(x));
+  EXPECT_THROW(make_joint(in.model, {}), InputError) << "three bodies hold it";
 }
 
 }  // namespace
