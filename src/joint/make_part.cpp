@@ -1,9 +1,12 @@
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
+#include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/parts.h"
@@ -60,20 +63,47 @@ std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e
   return Vector3d(*Q * v);
 }
 
+/// What the user gives by the names of the part's surfaces: one value. Throws UsageError.
+std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, const char* setting,
+                               const std::map<std::string, double>& given) {
+  std::optional<double> of_part;
+  for (const auto& [name, value] : given) {
+    const std::string& surface = name;
+    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(), [&](const Surface& s) {
+          return s.name == surface && !s.nodes.empty() && parts.region[at(s.nodes.front())] == soft.region;
+        }))
+      continue;
+    if (of_part && *of_part != value)
+      throw UsageError(
+          Fault{.given = NamedSetting{setting, name, fmt::format("{:g}", value)},
+                .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
+                .expected = "expected one value for the part"});
+    of_part = value;
+  }
+  return of_part;
+}
+
+/// In the place of the material's: of what is around its fibres.
+struct GivenElasticity {
+  std::optional<double> E, nu;
+};
+
 /// The stiffness of a material at small strain. InputError: the model does not tell it. Fibres that are not known are
 /// left out (fibre_findings tells of them).
-Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part) {
+Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part,
+                    const GivenElasticity& given) {
   const JointModel& model = parts.model;
+  const double E = given.E.value_or(m.E), nu = given.nu.value_or(m.nu);
   Matrix6d D;
-  if (const auto Q = m.stiffness ? axes_in(model, e, m.axes) : std::nullopt) {
+  if (const auto Q = m.stiffness && !given.E ? axes_in(model, e, m.axes) : std::nullopt) {
     D = turned_stiffness(*m.stiffness, *Q);
-  } else if (m.E > 0 && m.nu > -1 && m.nu < 0.5) {
-    D = isotropic_stiffness(m.E, m.nu);
+  } else if (E > 0 && nu > -1 && nu < 0.5) {
+    D = isotropic_stiffness(E, nu);
   } else {
     throw fault_at(
         model, m.origin,
-        m.stiffness ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
-                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
+        m.stiffness && !given.E ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
+                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, E, nu, m.note),
         say("give the part a material with a stiffness, or take it as rigid with {}",
             NamedSetting{"rigid", "", m.name}));
   }
@@ -125,6 +155,8 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.holder.push_back(holders.empty() ? -1 : holders.front());
   }
   part.depth = 0.5 * box.sizes().minCoeff();
+  const GivenElasticity given = {given_of(parts, soft, "E", parts.settings.E),
+                                 given_of(parts, soft, "nu", parts.settings.nu)};
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
     const Domain& d = e.domain;
     const Material& material = model.materials[at(d.material)];
@@ -138,7 +170,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.elements.push_back({static_cast<int>(&d - model.domains.data()), static_cast<int>(e.place)});
     const auto along = material.fibres.empty() ? std::nullopt : fibre_in(model, e, material, material.fibres.front());
     part.mesh.fibre.push_back(along.value_or(Vector3d::Zero()));
-    part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name));
+    part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name, given));
     for (int k = 0; k < e.count; ++k) part.mesh.element_node.push_back(part.node_of(e.nodes[k]));
     part.mesh.begin.push_back(static_cast<int>(part.mesh.element_node.size()));
   });
