@@ -55,7 +55,12 @@ void set_mapped(FEParam& parameter, Component& component) {
 
 /// False: a parameter of a kind that no condition, load or joint of ours has.
 bool set_value(Reading& reading, FEParam& parameter, Component& component) {
-  if (parameter.dim() > 1) return false;
+  if (parameter.dim() > 1) {
+    if (parameter.type() != FE_PARAM_INT || std::string_view(parameter.name()) != "local") return false;
+    const int* numbers = parameter.pvalue<int>();
+    component.text = fmt::format("{}", fmt::join(numbers, numbers + parameter.dim(), ","));
+    return true;
+  }
   switch (parameter.type()) {
     case FE_PARAM_INT: {
       const int number = parameter.value<int>();

@@ -40,6 +40,7 @@ std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElem
       const Vector3d from = e.at_node(model, axes.nodes[0]);
       return axes_from(e.at_node(model, axes.nodes[1]) - from, e.at_node(model, axes.nodes[2]) - from);
     }
+    case Axes::By::Element:  // and this one has none
     case Axes::By::Unknown:
       break;
   }
@@ -50,6 +51,7 @@ std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElem
 std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e, const Material& m, const Fibres& of) {
   const std::optional<Eigen::Matrix3d> Q = axes_in(model, e, m.axes);
   const Direction& direction = of.direction;
+  const bool own_axes = !e.domain.axes.empty() && !e.domain.axes[e.place].isZero(0);
   Vector3d v = Vector3d::UnitX();
   if (!e.domain.fibre.empty() && !e.domain.fibre[e.place].isZero(0))
     v = e.domain.fibre[e.place];
@@ -57,7 +59,7 @@ std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e
     v = direction.vector;
   else if (direction.by == Direction::By::Nodes)
     v = (e.at_node(model, direction.nodes[1]) - e.at_node(model, direction.nodes[0])).normalized();
-  else if (direction.by == Direction::By::Unknown)
+  else if (direction.by == Direction::By::Unknown || (direction.by == Direction::By::Element && !own_axes))
     return std::nullopt;
   if (!Q || !(v.norm() > 0.5)) return std::nullopt;  // NaN, too
   return Vector3d(*Q * v);
