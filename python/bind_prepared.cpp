@@ -303,7 +303,8 @@ void bind_joint(py::module_& m) {
            "All contacts at given poses, without a search for the poses.\n\n"
            "pose: {\"BODY\": 4 x 4 array, ...}, bodies that are not named stay where the file has them; or an array\n"
            "(bodies, 4, 4); or a state. x = R X + t: the identity leaves a body where the file has it. Global frame,\n"
-           "the model's units. Springs on parts that give way pull as at the end of the model's last step. Answers a Pressed.\n"
+           "the model's units. Springs on parts that give way pull as at the end of the model's last step. Answers a "
+           "Pressed.\n"
            "Raises UsageError.")
       .def("__repr__", [](const PreparedJoint& j) {
         return text(fmt::format("<febiodea.Prepared: {} bodies, {} contacts>", j.prepared.joint.bodies.size(),

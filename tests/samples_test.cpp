@@ -553,7 +553,8 @@ TEST(SamplesKnee, EveryStateBalances) {
 }
 
 // Forces on a spherical condyle pass through its centre, those of the meniscus, too: the lever tells them. The femur's
-// tilt, less than 0.002, turns the menisci's push sideways, less than 20 N, into 0.04 N or so: 1e-3 of the lesser force.
+// tilt, less than 0.002, turns the menisci's push sideways, less than 20 N, into 0.04 N or so: 1e-3 of the lesser
+// force.
 TEST(SamplesMenisci, TheLeverAndEachMeniscusBalance) {
   const Json j = run_sample("menisci/menisci.feb", {"--states", "last"});
   const Json& state = j["states"].back();
@@ -580,6 +581,32 @@ TEST(SamplesMenisci, TheLeverAndEachMeniscusBalance) {
     EXPECT_LT(part["largest_strain"].get<double>(), 0.1);
     EXPECT_GT(part["largest_displacement"].get<double>(), 0.05);
   }
+}
+
+// How springs on parts pull is told by a load case: without one a press is refused, and in one where they do not act
+// the menisci give way farther.
+TEST(SamplesMenisci, APressTakesSpringsOnPartsOfALoadCase) {
+  const JointModel& model = sample("menisci/menisci.feb");
+  const Prepared joint = prepare(recognise(model, {}));
+  std::vector<Pose> poses = at_rest(joint).poses;
+  poses[static_cast<std::size_t>(joint.joint.find_body(model, "femur"))].center.z() -= 0.2;
+  std::string refused;
+  try {
+    press(joint, poses);
+  } catch (const UsageError& e) {
+    refused = e.what();
+  }
+  EXPECT_NE(refused.find("ligament \"medial posterior horn\" pulls at a part that gives way"), std::string::npos)
+      << refused;
+  LoadCase loads = make_load_case(model, joint.joint, {}, 0, 1.0);
+  const auto carried = [&] {
+    double all = 0.0;
+    for (const PressedSprings& contact : press(joint, poses, {}, nullptr, &loads).contacts) all += contact.normal_force;
+    return all;
+  };
+  const double held = carried();
+  loads.ligament_active.assign(loads.ligament_active.size(), 0);
+  EXPECT_GT(held, 1.02 * carried());
 }
 
 TEST(SamplesChain, EveryBoneBalances) {

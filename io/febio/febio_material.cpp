@@ -37,7 +37,8 @@ void leave_out(const Reading& reading, const Component& part, const std::string&
       {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
-constexpr const char* kGroundMatrix = "what is pressed of a layer is the matrix around them; a part that gives way has them";
+constexpr const char* kGroundMatrix =
+    "what is pressed of a layer is the matrix around them; a part that gives way has them";
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {

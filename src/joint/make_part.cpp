@@ -76,10 +76,9 @@ std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, 
         }))
       continue;
     if (of_part && *of_part != value)
-      throw UsageError(
-          Fault{.given = NamedSetting{setting, name, fmt::format("{:g}", value)},
-                .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
-                .expected = "expected one value for the part"});
+      throw UsageError(Fault{.given = NamedSetting{setting, name, fmt::format("{:g}", value)},
+                             .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
+                             .expected = "expected one value for the part"});
     of_part = value;
   }
   return of_part;
@@ -104,8 +103,9 @@ Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Mater
   } else {
     throw fault_at(
         model, m.origin,
-        m.stiffness && !given.E ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
-                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, E, nu, m.note),
+        m.stiffness && !given.E
+            ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
+            : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, E, nu, m.note),
         say("give the part a material with a stiffness, or take it as rigid with {}",
             NamedSetting{"rigid", "", m.name}));
   }

@@ -18,7 +18,8 @@ void add(Numbers<Of>& numbers, const std::string& name, double Of::*number) {
   numbers.push_back({name, [=](const Of& of) { return of.*number; }});
 }
 
-void add(Numbers<PartStress>& numbers, const std::string& name, PartNumber PartStress::*of, double PartNumber::*number) {
+void add(Numbers<PartStress>& numbers, const std::string& name, PartNumber PartStress::*of,
+         double PartNumber::*number) {
   numbers.push_back({name, [=](const PartStress& s) { return s.*of.*number; }});
 }
 

@@ -65,10 +65,10 @@ TieLaw ligament_law(const Prepared& prepared, const LoadCase* ligaments) {
   for (const SpringBed& bed : prepared.beds.ties)
     for (const PartTie& tie : bed.ties)
       if (tie.ligament >= 0)
-        throw UsageError(Fault{
-            .place = "press",
-            .found = say("ligament \"{}\" pulls at a part that gives way;", prepared.joint.ligaments[at(tie.ligament)].name),
-            .expected = "expected the load case in which it does"});
+        throw UsageError(Fault{.place = "press",
+                               .found = say("ligament \"{}\" pulls at a part that gives way;",
+                                            prepared.joint.ligaments[at(tie.ligament)].name),
+                               .expected = "expected the load case in which it does"});
   return {};
 }
 

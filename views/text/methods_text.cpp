@@ -82,8 +82,7 @@ constexpr Paper kJohnson = {
 }
 )"};
 constexpr Paper kGuyan = {
-    "Guyan, 1965",
-    "Guyan RJ (1965). Reduction of stiffness and mass matrices. AIAA J 3(2):380. doi:10.2514/3.2874",
+    "Guyan, 1965", "Guyan RJ (1965). Reduction of stiffness and mass matrices. AIAA J 3(2):380. doi:10.2514/3.2874",
     R"(@article{Guyan1965,
   author  = {Guyan, Robert J.},
   title   = {Reduction of stiffness and mass matrices},
@@ -271,7 +270,8 @@ std::string dilatation_words(Methods& m, const PartMesh& mesh) {
   std::vector<std::string> words;
   if (any({ElementShape::Hex8, ElementShape::Penta6, ElementShape::Pyra5}))
     words.push_back(fmt::format("the mean dilatation of each element ({})", m.cite(kHughes)));
-  if (any({ElementShape::Tet4})) words.push_back(fmt::format("the mean dilatation around each node ({})", m.cite(kBonet)));
+  if (any({ElementShape::Tet4}))
+    words.push_back(fmt::format("the mean dilatation around each node ({})", m.cite(kBonet)));
   return words.empty() ? "" : fmt::format(", with {}", and_list(words));
 }
 
