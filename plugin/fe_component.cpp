@@ -143,7 +143,9 @@ Component component_of(Reading& reading, FECoreBase& fe, const std::string& tag)
     part.origin = kNowhere;
     const int controller = controller_of(reading, parameter);
     if (controller >= 0) part.lc = std::to_string(controller + 1);
-    if (is_given(parameter) && set_value(reading, parameter, part)) component.parts.push_back(std::move(part));
+    if (!is_given(parameter) || !set_value(reading, parameter, part)) continue;
+    if (part.tag == "local") component.text = part.text;  // places of nodes: in a file the direction's own text
+    component.parts.push_back(std::move(part));
   }
   for (int i = 0; i < fe.PropertyClasses(); ++i) {
     FEProperty& property = *fe.PropertyClass(i);

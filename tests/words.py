@@ -9,8 +9,6 @@ import subprocess
 import sys
 import tempfile
 
-import made_models
-
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 samples = source / "samples"
 HIP, HIP_FEBIO = samples / "hip/hip_walking.feb", samples / "hip/hip_walking_febio.xplt"
@@ -167,12 +165,6 @@ with tempfile.TemporaryDirectory() as temporary:
           ["at a strain of 3%", "E and nu as given"], of="dea cite menisci.feb --fibre-strain")
     whole = run("info", samples / "menisci/menisci.feb")
     check(whole, ["medial_meniscus: a part that gives way and nothing holds, material \"medial_meniscus\"; centre ("], ["material ;"], "dea info menisci.feb")
-
-    # Fibres that each element should have of its own, and has not: they are left out and told of, not taken along x
-    disc = made_models.disc()
-    assert disc.count('<fiber type="vector">0,0,1</fiber>') == 1
-    (folder / "disc.feb").write_text(disc.replace('<fiber type="vector">0,0,1</fiber>', '<fiber type="user"/>'))
-    check(run("info", folder / "disc.feb"), ['the fibres of "disc" (trans iso Mooney-Rivlin) in part "disc" are left out'], ["along them"], "dea info disc.feb")
 
     # A model that is refused has no paragraph
     (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))

@@ -37,8 +37,7 @@ void leave_out(const Reading& reading, const Component& part, const std::string&
       {fmt::format("material {}: {}; {}", quote(reading.name), what, instead), 1, part.origin, {}});
 }
 
-constexpr const char* kGroundMatrix =
-    "what is pressed of a layer is the matrix around them; a part that gives way has them";
+constexpr const char* kGroundMatrix = "what is pressed of a layer is the matrix around them";
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {
@@ -133,12 +132,6 @@ std::optional<Vector3d> vector_in(const std::string& text) {
   return v;
 }
 
-/// Places of nodes: FEBio itself has them in a part of their own.
-std::vector<int> local_places(const Component& direction) {
-  const Component* inside = find(direction, "local");
-  return node_places(inside != nullptr ? inside->text : direction.text);
-}
-
 /// <fiber>: FEBio's default is along x.
 Direction direction_of(const Component& material) {
   Direction of;
@@ -151,7 +144,7 @@ Direction direction_of(const Component& material) {
       v && (type.empty() || type == "vector")) {
     of.by = Direction::By::Vector;
     of.vector = v->normalized();
-  } else if (const std::vector<int> places = local_places(*fiber); type == "local" && places.size() >= 2) {
+  } else if (const std::vector<int> places = node_places(fiber->text); type == "local" && places.size() >= 2) {
     of.by = Direction::By::Nodes;
     of.nodes = {places[0], places[1]};
     if (of.nodes[0] < 0 && of.nodes[1] < 0) of.nodes = {0, 1};  // "0,0"
@@ -175,12 +168,12 @@ Axes axes_of(const Component& material) {
     axes.d = *across;
     if (!axes_from(axes.a, axes.d))
       axes.d = std::abs(along->normalized().x()) > 0.999 ? Vector3d::UnitY() : Vector3d::UnitX();
-  } else if (const std::vector<int> places = local_places(*given); given->type == "local" && places.size() >= 3) {
+  } else if (const std::vector<int> places = node_places(given->text); given->type == "local" && places.size() >= 3) {
     axes.by = Axes::By::Nodes;
     axes.nodes = {places[0], places[1], places[2]};
     if (places[0] < 0 && places[1] < 0 && places[2] < 0) axes.nodes = {0, 1, 3};  // "0,0,0"
   } else if (given->type == "user" || given->type == "map") {
-    axes.by = Axes::By::Element;
+    axes.by = Axes::By::None;
   }
   return axes;
 }

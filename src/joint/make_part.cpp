@@ -1,12 +1,9 @@
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "src/base/error.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/parts.h"
@@ -40,7 +37,6 @@ std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElem
       const Vector3d from = e.at_node(model, axes.nodes[0]);
       return axes_from(e.at_node(model, axes.nodes[1]) - from, e.at_node(model, axes.nodes[2]) - from);
     }
-    case Axes::By::Element:  // and this one has none
     case Axes::By::Unknown:
       break;
   }
@@ -51,7 +47,6 @@ std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElem
 std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e, const Material& m, const Fibres& of) {
   const std::optional<Eigen::Matrix3d> Q = axes_in(model, e, m.axes);
   const Direction& direction = of.direction;
-  const bool own_axes = !e.domain.axes.empty() && !e.domain.axes[e.place].isZero(0);
   Vector3d v = Vector3d::UnitX();
   if (!e.domain.fibre.empty() && !e.domain.fibre[e.place].isZero(0))
     v = e.domain.fibre[e.place];
@@ -59,53 +54,26 @@ std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e
     v = direction.vector;
   else if (direction.by == Direction::By::Nodes)
     v = (e.at_node(model, direction.nodes[1]) - e.at_node(model, direction.nodes[0])).normalized();
-  else if (direction.by == Direction::By::Unknown || (direction.by == Direction::By::Element && !own_axes))
+  else if (direction.by == Direction::By::Unknown)
     return std::nullopt;
   if (!Q || !(v.norm() > 0.5)) return std::nullopt;  // NaN, too
   return Vector3d(*Q * v);
 }
 
-/// What the user gives by the names of the part's surfaces: one value. Throws UsageError.
-std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, const char* setting,
-                               const std::map<std::string, double>& given) {
-  std::optional<double> of_part;
-  for (const auto& [name, value] : given) {
-    const std::string& surface = name;
-    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(), [&](const Surface& s) {
-          return s.name == surface && !s.nodes.empty() && parts.region[at(s.nodes.front())] == soft.region;
-        }))
-      continue;
-    if (of_part && *of_part != value)
-      throw UsageError(Fault{.given = NamedSetting{setting, name, fmt::format("{:g}", value)},
-                             .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
-                             .expected = "expected one value for the part"});
-    of_part = value;
-  }
-  return of_part;
-}
-
-/// In the place of the material's: of what is around its fibres.
-struct GivenElasticity {
-  std::optional<double> E, nu;
-};
-
 /// The stiffness of a material at small strain. InputError: the model does not tell it. Fibres that are not known are
 /// left out (fibre_findings tells of them).
-Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part,
-                    const GivenElasticity& given) {
+Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part) {
   const JointModel& model = parts.model;
-  const double E = given.E.value_or(m.E), nu = given.nu.value_or(m.nu);
   Matrix6d D;
-  if (const auto Q = m.stiffness && !given.E ? axes_in(model, e, m.axes) : std::nullopt) {
+  if (const auto Q = m.stiffness ? axes_in(model, e, m.axes) : std::nullopt) {
     D = turned_stiffness(*m.stiffness, *Q);
-  } else if (E > 0 && nu > -1 && nu < 0.5) {
-    D = isotropic_stiffness(E, nu);
+  } else if (m.E > 0 && m.nu > -1 && m.nu < 0.5) {
+    D = isotropic_stiffness(m.E, m.nu);
   } else {
     throw fault_at(
         model, m.origin,
-        m.stiffness && !given.E
-            ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
-            : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, E, nu, m.note),
+        m.stiffness ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
+                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
         say("give the part a material with a stiffness, or take it as rigid with {}",
             NamedSetting{"rigid", "", m.name}));
   }
@@ -113,6 +81,34 @@ Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Mater
     if (const auto along = fibre_in(model, e, m, of))
       D += fibre_stiffness(fibre_modulus(of, parts.settings.fibre_strain.value_or(0.0)), of.deviatoric, *along);
   return D;
+}
+
+/// What the user gives by the names of the part's surfaces: one value. Throws UsageError.
+std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, const char* setting,
+                               const std::map<std::string, double>& given) {
+  std::optional<double> of_part;
+  for (const auto& entry : given) {
+    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(), [&](const Surface& s) {
+          return s.name == entry.first && !s.nodes.empty() && parts.region[at(s.nodes.front())] == soft.region;
+        }))
+      continue;
+    if (of_part && *of_part != entry.second)
+      throw UsageError(Fault{.given = NamedSetting{setting, entry.first, fmt::format("{:g}", entry.second)},
+                             .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
+                             .expected = "expected one value for the part"});
+    of_part = entry.second;
+  }
+  return of_part;
+}
+
+/// With the user's E and nu, which are of what is around its fibres.
+Material with_given(Material material, std::optional<double> E, std::optional<double> nu) {
+  if (E) {
+    material.E = *E;
+    material.stiffness = {};
+  }
+  if (nu) material.nu = *nu;
+  return material;
 }
 
 /// Calls `use(element)` for each element of a region.
@@ -149,6 +145,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
                    [&](const RegionElement& e) { nodes_of.insert(nodes_of.end(), e.nodes, e.nodes + e.count); });
   std::sort(nodes_of.begin(), nodes_of.end());
   nodes_of.erase(std::unique(nodes_of.begin(), nodes_of.end()), nodes_of.end());
+  const auto E = given_of(parts, soft, "E", parts.settings.E), nu = given_of(parts, soft, "nu", parts.settings.nu);
   Eigen::AlignedBox3d box;
   for (const int node : nodes_of) {
     part.mesh.nodes.push_back(model.nodes[at(node)]);
@@ -157,11 +154,9 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.holder.push_back(holders.empty() ? -1 : holders.front());
   }
   part.depth = 0.5 * box.sizes().minCoeff();
-  const GivenElasticity given = {given_of(parts, soft, "E", parts.settings.E),
-                                 given_of(parts, soft, "nu", parts.settings.nu)};
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
     const Domain& d = e.domain;
-    const Material& material = model.materials[at(d.material)];
+    const Material material = with_given(model.materials[at(d.material)], E, nu);
     if (!has_stiffness(d.shape))
       throw fault_at(
           model, material.origin,
@@ -172,7 +167,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.elements.push_back({static_cast<int>(&d - model.domains.data()), static_cast<int>(e.place)});
     const auto along = material.fibres.empty() ? std::nullopt : fibre_in(model, e, material, material.fibres.front());
     part.mesh.fibre.push_back(along.value_or(Vector3d::Zero()));
-    part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name, given));
+    part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name));
     for (int k = 0; k < e.count; ++k) part.mesh.element_node.push_back(part.node_of(e.nodes[k]));
     part.mesh.begin.push_back(static_cast<int>(part.mesh.element_node.size()));
   });

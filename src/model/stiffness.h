@@ -29,7 +29,7 @@ struct Direction {
 
 /// The axes of a material: the first along a, the third across a and d.
 struct Axes {
-  enum class By { None, Vectors, Nodes, Element, Unknown };  ///< Element: each has its own
+  enum class By { None, Vectors, Nodes, Unknown };
   By by = By::None;
   Vector3d a = Vector3d::UnitX(), d = Vector3d::UnitY();
   std::array<int, 3> nodes = {0, 1, 3};  ///< a: from the first to the second, d: to the third
