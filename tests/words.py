@@ -166,6 +166,9 @@ with tempfile.TemporaryDirectory() as temporary:
     whole = run("info", samples / "menisci/menisci.feb")
     check(whole, ["medial_meniscus: a part that gives way and nothing holds, material \"medial_meniscus\"; centre ("], ["material ;"], "dea info menisci.feb")
 
+    check(run("convert", samples / "menisci/menisci.feb", "-o", folder / "c.feb", code=3),
+          ['part "medial_meniscus" gives way as its elements do, which a contact of type dea cannot; solve it with dea run, or take it as rigid'], of="dea convert menisci.feb")
+
     # A model that is refused has no paragraph
     (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))
     refused = run("cite", folder / "bad.feb", code=3)
