@@ -23,7 +23,7 @@ def run(*words):
 
 
 models = folder("feb")
-for name in ("spheres", "two-layer-spheres", "sphere-on-flat", "plateaus", "ligament", "knee", "chain"):
+for name in ("spheres", "two-layer-spheres", "sphere-on-flat", "plateaus", "ligament", "knee", "menisci", "chain"):
     run(make_samples, f"--{name}", 2, models / f"{name}.feb")
 model = models / "sphere-on-flat.feb"
 

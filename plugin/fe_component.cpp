@@ -55,7 +55,12 @@ void set_mapped(FEParam& parameter, Component& component) {
 
 /// False: a parameter of a kind that no condition, load or joint of ours has.
 bool set_value(Reading& reading, FEParam& parameter, Component& component) {
-  if (parameter.dim() > 1) return false;
+  if (parameter.dim() > 1) {
+    if (parameter.type() != FE_PARAM_INT || std::string_view(parameter.name()) != "local") return false;
+    const int* numbers = parameter.pvalue<int>();
+    component.text = fmt::format("{}", fmt::join(numbers, numbers + parameter.dim(), ","));
+    return true;
+  }
   switch (parameter.type()) {
     case FE_PARAM_INT: {
       const int number = parameter.value<int>();
@@ -138,7 +143,9 @@ Component component_of(Reading& reading, FECoreBase& fe, const std::string& tag)
     part.origin = kNowhere;
     const int controller = controller_of(reading, parameter);
     if (controller >= 0) part.lc = std::to_string(controller + 1);
-    if (is_given(parameter) && set_value(reading, parameter, part)) component.parts.push_back(std::move(part));
+    if (!is_given(parameter) || !set_value(reading, parameter, part)) continue;
+    if (part.tag == "local") component.text = part.text;  // places of nodes: in a file the direction's own text
+    component.parts.push_back(std::move(part));
   }
   for (int i = 0; i < fe.PropertyClasses(); ++i) {
     FEProperty& property = *fe.PropertyClass(i);

@@ -12,6 +12,7 @@
 #include <FECore/FEInitialCondition.h>
 #include <FECore/FELinearConstraintManager.h>
 #include <FECore/FELoadCurve.h>
+#include <FECore/FEMaterial.h>
 #include <FECore/FEMesh.h>
 #include <FECore/FEModelLoad.h>
 #include <FECore/FEModelParam.h>
@@ -23,6 +24,7 @@
 #include <FECore/FESurfaceLoad.h>
 #include <FECore/FESurfacePairConstraint.h>
 #include <FECore/FETimeStepController.h>
+#include <FECore/FEVec3dValuator.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -62,6 +64,34 @@ void need_nodes(const Reading& reading, const char* what, const std::string& nam
        fmt::format("{} {} uses a node that does not exist: mend the number, or add the node", what, quote(name)));
 }
 
+/// Fibres that are given element by element; nullptr: the material says it for all, or has none.
+FEVec3dValuator* fibres_by_element(FECoreBase& material) {
+  FEProperty* property = material.FindProperty("fiber");
+  auto* fibre =
+      property == nullptr || property->size() == 0 ? nullptr : dynamic_cast<FEVec3dValuator*>(property->get(0));
+  const std::string type = fibre == nullptr ? "" : type_of(*fibre);
+  return type == "map" || type == "user" ? fibre : nullptr;
+}
+
+/// Fibres that elements have of their own, and the axes of all: of their own or the material's.
+void read_directions(FEDomain& fe, Domain& domain) {
+  FEMaterial* material = fe.GetMaterial();
+  if (material == nullptr || fe.Class() != FE_DOMAIN_SOLID) return;
+  FEVec3dValuator* fibre = fibres_by_element(*material);
+  bool turned = false;
+  for (int i = 0; i < fe.Elements(); ++i) {
+    FEMaterialPoint* point = fe.ElementRef(i).GetMaterialPoint(0);
+    if (point == nullptr) return;
+    if (fibre != nullptr) domain.fibre.push_back(vector_of(fibre->unitVector(*point)));
+    const mat3d Q = material->GetLocalCS(*point);
+    Eigen::Matrix3d& axes = domain.axes.emplace_back();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) axes(row, column) = Q(row, column);
+    turned = turned || !axes.isIdentity(0);
+  }
+  if (!turned) domain.axes.clear();
+}
+
 void read_domain(Reading& reading, FEDomain& fe) {
   if (fe.Elements() == 0) return;
   const auto* shape = std::find_if(std::begin(kShapes), std::end(kShapes),
@@ -88,6 +118,7 @@ void read_domain(Reading& reading, FEDomain& fe) {
   }
   if (!thick) domain.shell_thickness.clear();  // FEBio has 0 where none is given
   need_nodes(reading, "domain", domain.name, domain.nodes);
+  read_directions(fe, domain);
   reading.model.domains.push_back(std::move(domain));
 }
 

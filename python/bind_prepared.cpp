@@ -266,10 +266,16 @@ bool is_quick(const Prepared& prepared) {
 std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object& poses) {
   const std::vector<Pose> all = with_poses(*joint, reference_poses(joint->prepared.joint), poses, "pose");
   refuse_left_planes(joint->recognised->recognition.model, joint->prepared.joint, all, std::nullopt);
-  const auto pressed = [joint, all](const StopFlag* stop) {
+  std::optional<LoadCase> loads;
+  if (!joint->prepared.beds.ties.empty()) {
+    const Recognition& r = joint->recognised->recognition;
+    loads = load_case_of(*joint, r.settings, starting_poses(r.model, joint->prepared.joint, r.settings));
+  }
+  const auto pressed = [joint, all, loads](const StopFlag* stop) {
     PressOptions options;
     options.stop = stop;
-    return std::make_shared<PressedJoint>(PressedJoint{joint, all, press(joint->prepared, all, options)});
+    return std::make_shared<PressedJoint>(
+        PressedJoint{joint, all, press(joint->prepared, all, options, nullptr, loads ? &*loads : nullptr)});
   };
   if (is_quick(joint->prepared)) return unlocked([&] { return pressed(nullptr); });
   return result_of([pressed](Work& work) { return pressed(&work.stop); });
@@ -297,7 +303,9 @@ void bind_joint(py::module_& m) {
            "All contacts at given poses, without a search for the poses.\n\n"
            "pose: {\"BODY\": 4 x 4 array, ...}, bodies that are not named stay where the file has them; or an array\n"
            "(bodies, 4, 4); or a state. x = R X + t: the identity leaves a body where the file has it. Global frame,\n"
-           "the model's units. Answers a Pressed. Raises UsageError.")
+           "the model's units. Springs on parts that give way pull as at the end of the model's last step. Answers a "
+           "Pressed.\n"
+           "Raises UsageError.")
       .def("__repr__", [](const PreparedJoint& j) {
         return text(fmt::format("<febiodea.Prepared: {} bodies, {} contacts>", j.prepared.joint.bodies.size(),
                                 j.prepared.joint.contacts.size()));

@@ -110,17 +110,51 @@ py::dict reactions_of(const StateView& v) {
 /// A dictionary per part of deformable solid elements.
 py::list inside_of(const StateView& v) {
   py::list all;
-  for (const InsideDomain& d : v.state->inside) {
+  if (v.state->inside.empty()) return all;
+  for (InsideDomain& d : with_parts(v.model(), *v.joint, v.state->parts, v.state->inside)) {
     const Domain& domain = v.model().domains[at(d.domain)];
     all.append(py::dict("part"_a = text(domain.name),
                         "material"_a = text(v.model().materials[at(domain.material)].name),
-                        "element"_a = view_of(domain.element_ids, v.owner), "stress"_a = view_of(d.stress, v.owner),
-                        "strain"_a = view_of(d.strain, v.owner)));
+                        "element"_a = view_of(domain.element_ids, v.owner), "stress"_a = kept(std::move(d.stress)),
+                        "strain"_a = kept(std::move(d.strain))));
   }
   return all;
 }
 
 Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
+
+std::vector<Vector3d> displacements_of(const PartView& v) {
+  std::vector<Vector3d> moved;
+  for (const int node : v.part().model_nodes) moved.push_back(v.in.state->displacements[at(node)]);
+  return moved;
+}
+
+std::vector<int> element_ids_of(const PartView& v) {
+  std::vector<int> ids;
+  for (const PartElement& e : v.part().elements)
+    ids.push_back(v.in.model().domains[at(e.domain)].element_ids[at(e.place)]);
+  return ids;
+}
+
+void bind_part(py::module_& m) {
+  Class<PartView>(m, "Part", "A part that gives way, such as a meniscus, in one state (docs/parts.md).")
+      .value("name", "Of the part.", [](const PartView& v) { return v.part().name; })
+      .value("index", "(nodes,) rows of Model.points.",
+             [](const PartView& v) { return view_of(v.part().model_nodes, v.in.owner); })
+      .value("displacements", "(nodes, 3) of its nodes, global.",
+             [](const PartView& v) { return kept(displacements_of(v)); })
+      .value("element", "(elements,) ids.", [](const PartView& v) { return kept(element_ids_of(v)); })
+      .value("stress",
+             "(elements, 6) mean of each element, global, xx yy zz xy yz xz; (0, 6): no contact that presses it acts.",
+             [](const PartView& v) { return view_of(v.stress().stress, v.in.owner); })
+      .value("strain", "(elements, 6) as `stress`, in the part's frame.",
+             [](const PartView& v) { return view_of(v.stress().strain, v.in.owner); })
+      .value("statistics", "All numbers of the part by their names in JSON.",
+             [](const PartView& v) { return statistics_of(v.in)["parts"][v.index]; })
+      .def("__repr__", [](const PartView& v) {
+        return text(fmt::format("<febiodea.Part {}: {} elements>", v.part().name, v.part().mesh.elements()));
+      });
+}
 
 void bind_state(py::module_& m) {
   Class<StateView>(m, "State", "One state: poses, forces, contacts.")
@@ -149,6 +183,16 @@ void bind_state(py::module_& m) {
              "Layers that several contacts press: a dictionary each, with surfaces, contacts, body, headline and force "
              "of all of them.",
              [](const StateView& v) { return statistics_of(v)["layers"]; })
+      .value("parts", "Its parts that give way, such as menisci; []: it has none.",
+             [](const StateView& v) {
+               return list_of(v.joint->parts.size(), [&](std::size_t k) { return PartView{v, k}; });
+             })
+      .def(
+          "part",
+          [](const StateView& v, const std::string& name) {
+            return PartView{v, find_name("part", name, names_of(v.joint->parts))};
+          },
+          py::arg("name") = "", "The part of this name; without a name: the only one.")
       .value("contacts", "Its contacts, in the order of the model.",
              [](const StateView& v) {
                return list_of(v.joint->contacts.size(), [&](std::size_t c) { return ContactView{v, c}; });
@@ -348,6 +392,7 @@ void bind_results(py::module_& m) {
   bind_nodes(m);
   bind_side(m);
   bind_contact(m);
+  bind_part(m);
   bind_state(m);
   bind_result(m);
 }

@@ -39,6 +39,14 @@ struct SideView {
 struct FacetsView : SideView {};
 struct NodesView : SideView {};
 
+/// A part that gives way.
+struct PartView {
+  StateView in;
+  std::size_t index = 0;
+  const SoftPart& part() const { return in.joint->parts[index]; }
+  const PartStress& stress() const { return in.state->parts[index]; }
+};
+
 /// Springs of a contact, of a state or of a press.
 struct SpringsView {
   Owner owner;

@@ -8,6 +8,7 @@
 //                --plateaus                   N^2 on each plateau
 //                --ligament                   N^2 on the layer
 //                --knee                       about 10 N^2 springs in four contacts
+//                --menisci                    N^2 on each plateau and condyle
 //                --chain                      N^2 quads on each of 18 surfaces
 //
 // mm, N, MPa. The same command writes the same bytes. samples/hip/hip_walking.feb is not made here.
@@ -629,6 +630,99 @@ std::string knee(int n) {
   return feb.file("Synthetic knee: three bodies, four contacts.", pairs);
 }
 
+/// A meniscus around x = center: a ring with a wedge for its section, flat below, above on the sphere of `radius` that
+/// touches z = 0; open for 60 degrees about the direction `opening`. The first two nodes of an element lie along the
+/// ring, as its fibres do. `name`: of its material and elements; its surfaces are `name`_top and `name`_bottom. Answers
+/// the nodes of its two ends, halfway up.
+std::array<std::vector<int>, 2> add_meniscus(Feb& feb, const std::string& name, double center, double opening,
+                                             double radius, int n) {
+  constexpr double kInner = 6, kOuter = 14;  // [mm]
+  const int around = 3 * n / 2, across = std::max(2, n / 4), up = std::max(2, n / 8);
+  feb.materials += fmt::format(
+      "<material id=\"{}\" name=\"{}\" type=\"trans iso Mooney-Rivlin\">\n<density>1</density>\n<c1>3.85</c1>\n"
+      "<c2>0</c2>\n<c3>120</c3>\n<c4>1</c4>\n<c5>130</c5>\n<lam_max>1.1</lam_max>\n<k>16.7</k>\n"
+      "<fiber type=\"local\">1,2</fiber>\n</material>\n",
+      ++feb.material_count, name);
+  std::array<std::vector<int>, 2> ends;
+  std::vector<int> sheets;
+  std::vector<Quad> quads;
+  for (int k = 0; k <= up; ++k) {
+    const Patch sheet = grid(around, across, [&](double u, double v) {
+      const double angle = opening + kPi / 180 * (330 - 300 * u), r = kInner + (kOuter - kInner) * v;
+      return Vector3d(center + r * std::cos(angle), r * std::sin(angle),
+                      (radius - std::sqrt(radius * radius - r * r)) * k / up);
+    });
+    quads = sheet.quads;
+    sheets.push_back(feb.add_nodes(fmt::format("{}_sheet_{}", name, k), sheet.points));
+    for (int j = 0; j <= across; ++j) {
+      if (k != up / 2) continue;
+      ends[0].push_back(sheets.back() + j * (around + 1));
+      ends[1].push_back(sheets.back() + j * (around + 1) + around);
+    }
+  }
+  feb.add_hexes(name, name, quads, sheets);
+  feb.add_surface(name + "_top", shifted(quads, sheets.back()));
+  feb.add_surface(name + "_bottom", reversed(shifted(quads, sheets.front())));
+  return ends;
+}
+
+/// Two condyles with cartilage on the flat cartilage of a tibia, and on each side a meniscus that has fibres along its
+/// ring and is held by the springs of its horns alone. 500 N press the femur down, 4 mm medially of the middle and at
+/// the height of the condyles' centres; it may sink and tilt about y.
+std::string menisci(int n) {
+  constexpr double kRadius = 22, kCartilage = 2, kSide = 20, kHalf = 15;  // [mm]
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("tibia", Vector3d::Zero());
+  feb.add_bone("femur", {-4, 0, kRadius});
+  feb.discrete =
+      "<discrete_material id=\"1\" name=\"horn fibres\" type=\"linear spring\">\n<E>45</E>\n</discrete_material>\n";
+  std::vector<Feb::Pair> pairs;
+  std::vector<Vector3d> sites;
+  std::vector<std::vector<int>> horns;
+  for (const int side : {-1, 1}) {
+    const std::string which = side < 0 ? "medial" : "lateral", meniscus = which + "_meniscus";
+    const double center = kSide * side, opening = side < 0 ? 0 : kPi;  // towards the middle
+    const auto plateau = [&](double depth) {
+      return grid(n, n, [&, depth](double u, double v) {
+        const double half = (depth > 0 ? 1.02 : 1) * kHalf;
+        return Vector3d(center + half * (2 * u - 1), half * (2 * v - 1), -depth);
+      });
+    };
+    add_layer(feb, which + "_plateau", "tibia", plateau(kCartilage), plateau(0), true);
+    const auto condyle = [&](double radius) {
+      return grid(n, n, [&, radius](double u, double v) {
+        const double half = (radius < kRadius ? 1.02 : 1) * kHalf / kRadius;
+        const Vector3d down(std::tan(half * (2 * u - 1)), std::tan(half * (2 * v - 1)), -1);
+        return Vector3d(Vector3d(center, 0, kRadius) + radius * down.normalized());
+      });
+    };
+    add_layer(feb, which + "_condyle", "femur", condyle(kRadius - kCartilage), condyle(kRadius), false);
+    const std::array<std::vector<int>, 2> ends = add_meniscus(feb, meniscus, center, opening, kRadius + 1, n);
+    for (const int end : {-1, 1}) {  // the ring goes on straight for 8 mm
+      const double angle = opening + end * kPi / 6;
+      sites.push_back(Vector3d(center + 10 * std::cos(angle) + 8 * end * std::sin(angle),
+                               10 * std::sin(angle) - 8 * end * std::cos(angle), -1));
+      horns.push_back(end < 0 ? ends[0] : ends[1]);
+    }
+    pairs.push_back({which + " tibiofemoral", which + "_plateau", which + "_condyle"});
+    pairs.push_back({which + " femoromeniscal", meniscus + "_top", which + "_condyle"});
+    pairs.push_back({which + " meniscotibial", meniscus + "_bottom", which + "_plateau"});
+  }
+  const std::vector<int> tibia = add_sites(feb, "tibia", sites);
+  const std::array<const char*, 4> names = {"medial posterior horn", "medial anterior horn", "lateral anterior horn",
+                                            "lateral posterior horn"};
+  for (std::size_t h = 0; h < names.size(); ++h) {
+    std::vector<std::array<int, 2>> fibres;
+    for (const int node : horns[h]) fibres.push_back({node, tibia[h]});
+    add_bundle(feb, names[h], 1, fibres);
+  }
+  feb.rigid = Feb::fixed("tibia", "111111") + Feb::fixed("femur", "110101");
+  const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
+  feb.add_step("load", Feb::loaded("femur", "Rz", -500, ramp));
+  return feb.file("Two condyles, two menisci, the plateaus of a tibia.", pairs);
+}
+
 /// Ten bones in a row along z, each with a ball at its lower end (radius 10) that stands in the dish (radius 12) of the
 /// one below, and four stretched ligaments across each joint. The lowest is held; the highest may not move sideways and
 /// carries 60 N, the sixth is pushed sideways by 5 N.
@@ -717,6 +811,7 @@ constexpr Sample kSamples[] = {
     {"--plateaus", "plateaus/plateaus.feb", 24, plateaus},
     {"--ligament", "ligament/ligament.feb", 48, ligament},
     {"--knee", "knee/knee.feb", 16, knee},
+    {"--menisci", "menisci/menisci.feb", 12, menisci},
     {"--chain", "chain/chain.feb", 12, chain},
     {"--gait", "osteotomy/gait.csv", 12, gait},
 };
@@ -737,7 +832,7 @@ int run(const std::vector<std::string>& arguments) {
   }
   throw std::runtime_error(
       "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
-      "--two-layer-spheres|--sphere-on-flat|--plateaus|--ligament|--knee|--chain|--gait N out");
+      "--two-layer-spheres|--sphere-on-flat|--plateaus|--ligament|--knee|--menisci|--chain|--gait N out");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 set -eu
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
-mkdir "$fresh/spheres" "$fresh/sphere_on_flat" "$fresh/plateaus" "$fresh/ligament" "$fresh/knee" "$fresh/chain" "$fresh/osteotomy"
+mkdir "$fresh/spheres" "$fresh/sphere_on_flat" "$fresh/plateaus" "$fresh/ligament" "$fresh/knee" "$fresh/menisci" "$fresh/chain" "$fresh/osteotomy"
 "$1" "$fresh"
 for model in "$fresh"/*/*.*; do
   cmp "$model" "$2/${model#"$fresh"/}"

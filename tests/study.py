@@ -213,6 +213,22 @@ def test_layers_that_several_contacts_press_are_those_of_dea_run(f):
     assert mine == ("trochlea", layer["headline"]["p99"], layer["headline"]["area"], layer["force"]), (mine, layer)
 
 
+def test_parts_that_give_way_are_those_of_dea_run(f):
+    f.write("disc.feb", made_models.disc())
+    f.run("disc.feb", "--vary", "fibres: fibre-strain={0|0.03}", "--vary", "stiffness: E=top={4|8}", "--vary", "down: move upper=0,0,{0|-0.01}",
+          "--states", "last", "-o", "plan.db")
+    pressed = {}
+    for fibres, stiffness, down, *mine in f.query("plan.db", "SELECT fibres, stiffness, down, soft_part, first_principal_stress_p99, fibre_stress_p99, "
+                                                 "fibre_stress_peak, largest_strain, largest_turn, largest_displacement FROM soft_part_results"):
+        run = subprocess.run([dea, "run", "disc.feb", "--fibre-strain", str(fibres), "--E", f"top={stiffness}", "--move", f"upper=0,0,{down}",
+                              "--states", "last", "--no-xplt", "-q", "--json", "-"], cwd=f.path, capture_output=True, text=True, check=True)
+        (part,) = json.loads(run.stdout)["states"][-1]["parts"]
+        assert mine == [part[key] for key in ("name", "first_principal_stress_p99", "fibre_stress_p99", "fibre_stress_peak",
+                                              "largest_strain", "largest_turn", "largest_displacement")], (mine, part)
+        pressed[fibres, stiffness, down] = -part["fibre_stress_peak"]
+    assert len(pressed) == 8 and all(pressed[f, 8, d] > pressed[f, 4, d] + 0.05 for f in (0, 0.03) for d in (0, -0.01)), pressed
+
+
 def test_options_act_in_the_order_of_the_line(f):
     vary, turn = ["--vary", "a: rotate ball=0,1,0,{30|60}"], ["--rotate", "ball=1,0,0,40"]
     start, end = ["ball.feb", *LAW, "--rotate-about", "ball=com"], ["--states", "last"]

@@ -155,6 +155,20 @@ with tempfile.TemporaryDirectory() as temporary:
         "</febio_spec>", '<Boundary><bc type="zero displacement" node_set="cut"><x_dof>1</x_dof></bc></Boundary></febio_spec>'))
     check(run("cite", folder / "cut.feb"), ["walls without friction (x = ", "part that was meshed"], of="dea cite cut.feb")
 
+    # Parts that give way are neither rigid nor layers
+    menisci = run("cite", samples / "menisci/menisci.feb")
+    check(menisci, ['"tibia" and "femur" were rigid', 'Part "medial_meniscus" gave way as a mesh of 108 elements and 228 nodes', "Hughes, 1980",
+                    "static condensation (Guyan, 1965)", "contacts and springs alone held it", 'Its material was "lateral_meniscus"',
+                    "its fibres were linear, with their modulus at a strain of 0%", "* Guyan RJ (1965)", "* Hughes TJR (1980)"],
+          ["was rigid", "Bonet"], "dea cite menisci.feb")
+    check(run("cite", samples / "menisci/menisci.feb", "--fibre-strain", "0.03", "--E", "medial_meniscus_top=9"),
+          ["at a strain of 3%", "E and nu as given"], of="dea cite menisci.feb --fibre-strain")
+    whole = run("info", samples / "menisci/menisci.feb")
+    check(whole, ["medial_meniscus: a part that gives way and nothing holds, material \"medial_meniscus\"; centre ("], ["material ;"], "dea info menisci.feb")
+
+    check(run("convert", samples / "menisci/menisci.feb", "-o", folder / "c.feb", code=3),
+          ['part "medial_meniscus" gives way as its elements do, which a contact of type dea cannot; solve it with dea run, or take it as rigid'], of="dea convert menisci.feb")
+
     # A model that is refused has no paragraph
     (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))
     refused = run("cite", folder / "bad.feb", code=3)

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 /// All that is inserted, prepared once.
 struct StudyInserts {
-  Statement remove, one, warning, state, statistics, part, inside, inside_part, layer, pose, surface, field;
+  Statement remove, one, warning, state, statistics, part, inside, inside_part, layer, soft_part, pose, surface, field;
   explicit StudyInserts(const Database& d)
       : remove(d, "DELETE FROM cases WHERE case_id = ?"),
         one(d, insert_sql(d, "cases")),
@@ -37,6 +37,7 @@ struct StudyInserts {
         inside(d, insert_sql(d, "inside")),
         inside_part(d, insert_sql(d, "inside_parts")),
         layer(d, insert_sql(d, "layers")),
+        soft_part(d, insert_sql(d, "soft_parts")),
         pose(d, insert_sql(d, "poses")),
         surface(d, insert_sql(d, "surfaces", "OR IGNORE")),
         field(d, insert_sql(d, "fields")) {}
@@ -124,6 +125,11 @@ void insert_state(StudyInserts& in, std::int64_t number, std::int64_t s, const C
     in.layer.bind(number).bind(s).bind(whole(k + 1)).bind(result.layers[k]);
     bind_numbers(in.layer, layer_numbers(), state.layers[k]);
     in.layer.run();
+  }
+  for (std::size_t k = 0; k < state.parts.size(); ++k) {
+    in.soft_part.bind(number).bind(s).bind(whole(k + 1)).bind(result.parts[k]);
+    bind_numbers(in.soft_part, part_numbers(), state.parts[k]);
+    in.soft_part.run();
   }
   for (std::size_t b = 0; b < state.poses.size(); ++b) {
     in.pose.bind(number).bind(s).bind(whole(b + 1)).bind(result.bodies[b]);

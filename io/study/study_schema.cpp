@@ -108,6 +108,11 @@ CREATE TABLE layers (
   layer TEXT NOT NULL,
 {layer_numbers}  PRIMARY KEY (case_id, state, layer_id),
 {of_state}) WITHOUT ROWID;
+CREATE TABLE soft_parts (
+{state}  soft_part_id INTEGER NOT NULL,
+  soft_part TEXT NOT NULL,
+{soft_part_numbers}  PRIMARY KEY (case_id, state, soft_part_id),
+{of_state}) WITHOUT ROWID;
 CREATE TABLE poses (
 {state}  body_id INTEGER NOT NULL,
   body TEXT NOT NULL,
@@ -131,6 +136,7 @@ CREATE TABLE fields (
                      fmt::arg("contact_numbers", number_columns(contact_numbers())),
                      fmt::arg("part_numbers", number_columns(compartment_numbers())),
                      fmt::arg("layer_numbers", number_columns(layer_numbers())),
+                     fmt::arg("soft_part_numbers", number_columns(part_numbers())),
                      fmt::arg("inside_numbers", number_columns(inside_numbers())),
                      fmt::arg("inside_part_numbers", number_columns(compartment_inside_numbers())),
                      fmt::arg("center", vector_columns("center")), fmt::arg("rotation", vector_columns("rotation")),
@@ -175,10 +181,15 @@ CREATE VIEW layer_results AS SELECT c.case_id, m.path AS model, {factors}c.case_
   t.layer_id, t.layer, {layer_numbers}s.outcome{solved}
   FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
   JOIN layers t ON t.case_id = s.case_id AND t.state = s.state;
+CREATE VIEW soft_part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,
+  t.soft_part_id, t.soft_part, {soft_part_numbers}s.outcome{solved}
+  FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
+  JOIN soft_parts t ON t.case_id = s.case_id AND t.state = s.state;
 )",
       fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
       fmt::arg("part_numbers", number_names(compartment_numbers())),
       fmt::arg("layer_numbers", number_names(layer_numbers())),
+      fmt::arg("soft_part_numbers", number_names(part_numbers())),
       fmt::arg("inside", inside ? listed_last(number_names(inside_numbers(), "i")) : ""),
       fmt::arg("solved", solved_column()), fmt::arg("inside_of", inside ? kInsideOf : ""),
       fmt::arg("inside_parts", inside ? listed_last(number_names(compartment_inside_numbers(), "i")) : ""),

@@ -21,8 +21,8 @@ import sys as _sys
 from . import _cells, _febiodea, _models, _settings, _tables, statistics
 from ._findings import Finding
 from ._errors import Error, InputError, UsageError, WriteError, need as _need, usage_fault as _usage_fault
-from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, PlotFile, PlotState, PlotSurface, Prepared,
-                        Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,
+from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, Part, PlotField, PlotFile, PlotState, PlotSurface,
+                        Prepared, Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,
                         distribution, pattern_difference, percentile)
 from ._maps import picture, plot
 from ._settings import Settings, settings_help
@@ -33,7 +33,7 @@ from ._tables import Headline
 
 __all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture", "plot", "distribution", "percentile",
            "pattern_difference", "read_study", "settings_help", "Settings", "Model", "Recognition", "Result", "State",
-           "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
+           "Part", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
            "PressedContact", "Study", "StudyResults", "StudyState", "StudySurface", "Factor", "PlotFile", "PlotState",
            "PlotSurface", "PlotField", "Progress", "Finding", "Error", "InputError", "UsageError", "WriteError"]
 

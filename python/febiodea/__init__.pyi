@@ -105,8 +105,19 @@ class State:
     inside: Final[list[dict[str, Any]]]
     statistics: Final[dict[str, Any]]
     layers: Final[list[dict[str, Any]]]
+    parts: Final[list[Part]]
+    def part(self, name: str = "") -> Part: ...
     contacts: Final[list[Contact]]
     def contact(self, name: str = "") -> Contact: ...
+
+class Part:
+    name: Final[str]
+    index: Final[Array]
+    displacements: Final[Array]
+    element: Final[Array]
+    stress: Final[Array]
+    strain: Final[Array]
+    statistics: Final[dict[str, Any]]
 
 class Contact:
     name: Final[str]

@@ -13,6 +13,7 @@ from ._study_tables import table_in_memory
 
 _SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
           "layer_results": "case_id, state, layer_id", "layers": "case_id, state, layer_id",
+          "soft_part_results": "case_id, state, soft_part_id", "soft_parts": "case_id, state, soft_part_id",
           "cases": "case_id", "states": "case_id, state", "statistics": "case_id, state, contact_id",
           "parts": "case_id, state, contact_id, part_id", "poses": "case_id, state, body_id",
           "warnings": "case_id, number", "factors": "number", "models": "model_id", "inputs": "number",

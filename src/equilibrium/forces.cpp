@@ -76,10 +76,7 @@ void press_contacts(Problem& problem, Evaluation& e) {
   for (const SpringBed& bed : beds) motions.push_back(free_motions(problem, bed));
   const PressOptions options = {kAllMotions, problem.tolerance, rate_tolerance(problem.tolerance), problem.stop};
   std::vector<ContactWrench> wrenches(beds.size());
-  const TieLaw law = [&](int ligament, double length) -> std::optional<Tension> {
-    if (!problem.load_case.ligament_active[at(ligament)]) return std::nullopt;
-    return tension(problem.joint.ligaments[at(ligament)], length, ligament_scale(problem.load_case, ligament));
-  };
+  const TieLaw law = tie_law(problem.joint, problem.load_case);
   std::vector<std::vector<PressedContact>> of_group(problem.beds.groups.size());
   parallel_for(of_group.size(), [&](std::size_t g) {
     const std::vector<int>& group = problem.beds.groups[g];
@@ -168,6 +165,13 @@ void add_external(const Problem& problem, Evaluation& e, BodyForces& forces) {
 }
 
 }  // namespace
+
+TieLaw tie_law(const Joint& joint, const LoadCase& load_case) {
+  return [&](int ligament, double length) -> std::optional<Tension> {
+    if (!load_case.ligament_active[at(ligament)]) return std::nullopt;
+    return tension(joint.ligaments[at(ligament)], length, ligament_scale(load_case, ligament));
+  };
+}
 
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   const Joint& joint = problem.joint;

@@ -55,6 +55,9 @@ Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase&
 /// Forces over all dofs as those on the free dofs, moments divided by the length.
 Eigen::VectorXd free_part(const Problem& problem, const Eigen::VectorXd& all);
 
+/// Ligaments on parts, as they pull in a load case. It looks into both of its arguments.
+TieLaw tie_law(const Joint& joint, const LoadCase& load_case);
+
 /// Contacts, ligaments, cables, loads and what the connectors transmit at these poses; one more pose tried. Throws
 /// Stopped.
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses);

@@ -430,7 +430,7 @@ void take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, L
 
 /// A modulus or Poisson's ratio that the user names for a surface without cartilage.
 void refuse_elasticity_of_bare(const ContactSide& in, const Layer& layer) {
-  if (!layer.rigid) return;
+  if (!layer.rigid || layer.part >= 0) return;  // a part has its own (make_part.cpp)
   const auto refuse = [&](const char* setting, const std::map<std::string, double>& given) {
     const auto found = given.find(in.surface.name);
     if (found != given.end())
@@ -453,7 +453,8 @@ void scale_thickness(const ContactSide& in, Layer& layer) {
   if (layer.rigid && !named) return;
   if (layer.rigid)
     throw UsageError(Fault{.given = setting,
-                           .found = say("surface \"{}\" is a bare rigid surface, without thickness;", in.surface.name),
+                           .found = say("surface \"{}\" is {}, without thickness;", in.surface.name,
+                                        layer.part >= 0 ? "of a part that gives way" : "a bare rigid surface"),
                            .expected = say("leave it out, or give a thickness with {}", setting_of(in, "thickness"))});
   if (layer.springs_at == SpringsAt::Bone)
     throw UsageError(Fault{.given = setting,

@@ -83,6 +83,34 @@ Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Mater
   return D;
 }
 
+/// What the user gives by the names of the part's surfaces: one value. Throws UsageError.
+std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, const char* setting,
+                               const std::map<std::string, double>& given) {
+  std::optional<double> of_part;
+  for (const auto& entry : given) {
+    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(), [&](const Surface& s) {
+          return s.name == entry.first && !s.nodes.empty() && parts.region[at(s.nodes.front())] == soft.region;
+        }))
+      continue;
+    if (of_part && *of_part != entry.second)
+      throw UsageError(Fault{.given = NamedSetting{setting, entry.first, fmt::format("{:g}", entry.second)},
+                             .found = say("another surface of part \"{}\" has {:g};", soft.name, *of_part),
+                             .expected = "expected one value for the part"});
+    of_part = entry.second;
+  }
+  return of_part;
+}
+
+/// With the user's E and nu, which are of what is around its fibres.
+Material with_given(Material material, std::optional<double> E, std::optional<double> nu) {
+  if (E) {
+    material.E = *E;
+    material.stiffness = {};
+  }
+  if (nu) material.nu = *nu;
+  return material;
+}
+
 /// Calls `use(element)` for each element of a region.
 template <class Use>
 void for_each_element(const ModelParts& parts, int region, const Use& use) {
@@ -122,6 +150,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
                    [&](const RegionElement& e) { nodes_of.insert(nodes_of.end(), e.nodes, e.nodes + e.count); });
   std::sort(nodes_of.begin(), nodes_of.end());
   nodes_of.erase(std::unique(nodes_of.begin(), nodes_of.end()), nodes_of.end());
+  const auto E = given_of(parts, soft, "E", parts.settings.E), nu = given_of(parts, soft, "nu", parts.settings.nu);
   Eigen::AlignedBox3d box;
   for (const int node : nodes_of) {
     part.mesh.nodes.push_back(model.nodes[at(node)]);
@@ -131,7 +160,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   part.depth = 0.5 * box.sizes().minCoeff();
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
     const Domain& d = e.domain;
-    const Material& material = model.materials[at(d.material)];
+    const Material material = with_given(model.materials[at(d.material)], E, nu);
     if (!has_stiffness(d.shape))
       throw fault_at(
           model, material.origin,

@@ -18,6 +18,11 @@ void add(Numbers<Of>& numbers, const std::string& name, double Of::*number) {
   numbers.push_back({name, [=](const Of& of) { return of.*number; }});
 }
 
+void add(Numbers<PartStress>& numbers, const std::string& name, PartNumber PartStress::*of,
+         double PartNumber::*number) {
+  numbers.push_back({name, [=](const PartStress& s) { return s.*of.*number; }});
+}
+
 /// NAME_x, NAME_y, NAME_z.
 template <class Of>
 void add(Numbers<Of>& numbers, const std::string& name, Vector3d Of::*vector) {
@@ -129,6 +134,21 @@ const Numbers<LayerStatistics>& layer_numbers() {
     Numbers<LayerStatistics> numbers;
     add_headline(numbers);
     add(numbers, "force", &LayerStatistics::force);
+    return numbers;
+  }();
+  return all;
+}
+
+const Numbers<PartStress>& part_numbers() {
+  static const Numbers<PartStress> all = [] {
+    Numbers<PartStress> numbers;
+    add(numbers, "first_principal_stress_p99", &PartStress::principal, &PartNumber::p99);
+    add(numbers, "first_principal_stress_peak", &PartStress::principal, &PartNumber::peak);
+    add(numbers, "fibre_stress_p99", &PartStress::fibre, &PartNumber::p99);
+    add(numbers, "fibre_stress_peak", &PartStress::fibre, &PartNumber::peak);
+    add(numbers, "largest_strain", &PartStress::largest_strain);
+    add(numbers, "largest_turn", &PartStress::largest_turn);
+    add(numbers, "largest_displacement", &PartStress::largest_displacement);
     return numbers;
   }();
   return all;

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "src/results/part_results.h"
 #include "src/results/statistics.h"
 
 namespace dea {
@@ -37,6 +38,9 @@ const std::vector<NamedNumber<CompartmentLoad>>& compartment_numbers();
 
 /// Those of the headline, then "force".
 const std::vector<NamedNumber<LayerStatistics>>& layer_numbers();
+
+/// Of a part that gives way: "first_principal_stress_p99" to "largest_displacement".
+const std::vector<NamedNumber<PartStress>>& part_numbers();
 
 /// Of the inside of both layers: "source_bone_max_shear_stress_peak", ...; NaN: not asked for, or no layer.
 const std::vector<NamedNumber<ContactStatistics>>& inside_numbers();

@@ -529,6 +529,20 @@ const Eigen::MatrixX3d* part_motion(const Joint& joint, const Equilibrium& e, in
   return nullptr;
 }
 
+std::vector<Vector3d> part_displacements(const Joint& joint, const Equilibrium& e, int part) {
+  const Eigen::MatrixX3d* motion = part_motion(joint, e, part);
+  if (motion == nullptr) return {};
+  const SoftPart& of = joint.parts[at(part)];
+  const Pose& pose = e.poses[at(of.body)];
+  std::vector<Vector3d> moved;
+  for (int i = 0; i < of.mesh.size(); ++i) {
+    const Vector3d& x = of.mesh.nodes[at(i)];
+    moved.push_back(pose.center - x +
+                    pose.rotation * (x + motion->row(i).transpose() - joint.bodies[at(of.body)].center_of_mass));
+  }
+  return moved;
+}
+
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
                                          const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash) {
   std::vector<Vector3d> u(model.nodes.size(), Vector3d::Zero());
@@ -539,13 +553,8 @@ std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& j
     u[i] = pose.center + pose.rotation * (model.nodes[i] - joint.bodies[at(b)].center_of_mass) - model.nodes[i];
   }
   for (std::size_t k = 0; k < joint.parts.size(); ++k) {
-    const SoftPart& part = joint.parts[k];
-    const Eigen::MatrixX3d* motion = part_motion(joint, e, static_cast<int>(k));
-    const Pose& pose = e.poses[at(part.body)];
-    for (int i = 0; motion != nullptr && i < part.mesh.size(); ++i)
-      u[at(part.model_nodes[at(i)])] = pose.center - part.mesh.nodes[at(i)] +
-                                       pose.rotation * (part.mesh.nodes[at(i)] + motion->row(i).transpose() -
-                                                        joint.bodies[at(part.body)].center_of_mass);
+    const std::vector<Vector3d> moved = part_displacements(joint, e, static_cast<int>(k));
+    for (std::size_t i = 0; i < moved.size(); ++i) u[at(joint.parts[k].model_nodes[i])] = moved[i];
   }
   if (!squash) return u;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

@@ -87,6 +87,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
 
 /// How the nodes of a part have moved in its frame (nodes x 3); nullptr: no contact presses it.
 const Eigen::MatrixX3d* part_motion(const Joint& joint, const Equilibrium& e, int part);
+/// How its nodes have moved from where the model has them, global; empty where part_motion is none.
+std::vector<Vector3d> part_displacements(const Joint& joint, const Equilibrium& e, int part);
 
 /// Displacement of every model node: that of its part; rigid with its body; cartilage nodes moved towards their bone by
 /// the layer's shortening, linearly through the thickness (squash).

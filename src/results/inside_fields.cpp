@@ -350,6 +350,8 @@ struct ShownElements {
   }
 };
 
+bool presses_part(const ContactPair& pair) { return pair.layers[0].part >= 0 || pair.layers[1].part >= 0; }
+
 bool has_inside(const ContactPair& pair) {
   return pair.law == Law::Layer && pair.layer_fit == LayerFit::TwoTerms &&
          !(pair.layers[0].rigid && pair.layers[1].rigid);
@@ -364,7 +366,9 @@ void check_inside(const Joint& joint, const Settings& settings) {
       Fault{.given = NamedSetting{.setting = "inside", .bare = true},
             .found = pair.law == Law::Layer
                          ? say("contact \"{}\": found law layer {},", pair.name,
-                               pair.layer_fit == LayerFit::OneTerm ? "of one term" : "between two bare rigid surfaces")
+                               pair.layer_fit == LayerFit::OneTerm ? "of one term"
+                               : presses_part(pair) ? "without cartilage, on a part whose stress is told anyway"
+                                                    : "between two bare rigid surfaces")
                          : say("contact \"{}\": found law {},", pair.name, name(pair.law)),
             .expected = say("expected {} of two terms and a layer of cartilage: other laws say nothing of the inside",
                             NamedSetting{"law", "", "layer"})});
@@ -458,6 +462,7 @@ Findings inside_findings(const JointModel& model, const Joint& joint, const Insi
   std::vector<char> used(at(maps.elements), 0);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
+    if (!has_inside(pair) && presses_part(pair)) continue;
     if (!has_inside(pair)) {
       found.push_back({"inside-unknown", {.contact = pair.name}, {{"need", NamedSetting{"law", "", "layer"}}}});
       continue;
@@ -468,6 +473,11 @@ Findings inside_findings(const JointModel& model, const Joint& joint, const Insi
       for (int e : maps.placed[c][at(side)].element) used[at(e)] = 1;
     }
   }
+  for (const SoftPart& part : joint.parts)
+    for (const PartElement& of : part.elements) {
+      const auto d = std::find(maps.domains.begin(), maps.domains.end(), of.domain) - maps.domains.begin();
+      used[at(maps.first[at(d)] + of.place)] = 1;
+    }
   const auto unused = std::count(used.begin(), used.end(), 0);
   if (unused > 0 && unused < maps.elements)
     found.push_back({"inside-unused", {}, {{"unused", unused}, {"elements", maps.elements}}});

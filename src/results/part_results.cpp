@@ -81,7 +81,9 @@ std::vector<PartStress> part_stress(const Joint& joint, const Equilibrium& e) {
       part.strain.push_back(as_tensor(strained));
     }
     part.principal = number_of(principal, volumes);
-    if (!along.empty()) part.fibre = number_of(along, of_fibres);
+    part.fibre = number_of(along, of_fibres);
+    for (const Vector3d& u : part_displacements(joint, e, static_cast<int>(k)))
+      part.largest_displacement = std::max(part.largest_displacement, u.norm());
   }
   return parts;
 }

@@ -1,6 +1,5 @@
 // src/results/part_results.h – stress and strain in the deformable parts of a joint (docs/parts.md).
 #pragma once
-#include <optional>
 #include <vector>
 
 #include "src/equilibrium/equilibrium.h"
@@ -19,9 +18,10 @@ struct PartStress {
   std::vector<SymmetricTensor> stress;  ///< per element of its mesh, current global axes [MPa]
   std::vector<SymmetricTensor> strain;  ///< global axes of the reference
   PartNumber principal;                 ///< first principal stress [MPa]
-  std::optional<PartNumber> fibre;  ///< stress along its fibres, the hoop of a meniscus [MPa]; none: it has no fibres
-  double largest_strain = 0.0;      ///< largest principal strain of an element, drawn or pressed
-  double largest_turn = 0.0;        ///< by which an element has turned in the part's frame [rad]
+  PartNumber fibre;                     ///< stress along its fibres, the hoop of a meniscus [MPa]; NaN: it has none
+  double largest_strain = 0.0;          ///< largest principal strain of an element, drawn or pressed
+  double largest_turn = 0.0;            ///< by which an element has turned in the part's frame [rad]
+  double largest_displacement = 0.0;    ///< of a node, from where the model has it [mm]
 };
 
 /// One per part of the joint, at an equilibrium that still has its springs.

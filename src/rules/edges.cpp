@@ -119,13 +119,14 @@ Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const Sol
   for (const JudgedSide& s : judged_sides(model, joint, result)) {
     if (!s.layer.rigid || s.layer.bare_rim.empty()) continue;
     const PressedRim& rim = s.statistics.pressed_rim[s.side];
-    const double length = rim.selection + rim.mesh, facet = s.partner.facet_size() * s.partner.mean_thickness();
+    const double mesh = s.layer.part < 0 ? rim.mesh : 0.0;  // a meniscus ends where its mesh does
+    const double length = rim.selection + mesh, facet = s.partner.facet_size() * s.partner.mean_thickness();
     if (!(length > 0) || !(length > facet)) continue;
     found.push_back(
         {"bare-surface-ends-under-pressure",
          s.subject,
-         {{"length", length}, {"percent", 100 * length / rim.whole}, {"mesh", rim.mesh}, {"selection", rim.selection}},
-         rim.mesh == 0        ? 0
+         {{"length", length}, {"percent", 100 * length / rim.whole}, {"mesh", mesh}, {"selection", rim.selection}},
+         mesh == 0            ? 0
          : rim.selection == 0 ? 1
                               : 2});
   }

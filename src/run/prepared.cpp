@@ -4,7 +4,10 @@
 #include <set>
 #include <utility>
 
+#include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/say.h"
+#include "src/equilibrium/forces.h"
 #include "src/joint/placing.h"
 
 namespace dea {
@@ -56,12 +59,26 @@ std::vector<int> steps_of(const Joint& joint, const std::vector<int>& group) {
   return {steps.begin(), steps.end()};
 }
 
+/// Ligaments on parts, by a load case. UsageError: there are some, and no load case.
+TieLaw ligament_law(const Prepared& prepared, const LoadCase* ligaments) {
+  if (ligaments != nullptr) return tie_law(prepared.joint, *ligaments);
+  for (const SpringBed& bed : prepared.beds.ties)
+    for (const PartTie& tie : bed.ties)
+      if (tie.ligament >= 0)
+        throw UsageError(Fault{.place = "press",
+                               .found = say("ligament \"{}\" pulls at a part that gives way;",
+                                            prepared.joint.ligaments[at(tie.ligament)].name),
+                               .expected = "expected the load case in which it does"});
+  return {};
+}
+
 }  // namespace
 
 Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const PressOptions& options,
-              std::vector<PressMemory>* memory) {
+              std::vector<PressMemory>* memory, const LoadCase* ligaments) {
   const SpringBeds& beds = prepared.beds;
   const Joint& joint = prepared.joint;
+  const TieLaw law = ligament_law(prepared, ligaments);
   const std::size_t contacts = beds.beds.size();
   if (memory) memory->resize(beds.groups.size());
   Pressed result;
@@ -89,7 +106,7 @@ Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const Pr
       for (const int c : group) active[at(c)] = at_same_time(joint.contacts[at(c)].step, step);
       std::vector<PressedContact> pressed =
           press_group(beds, group, poses, std::vector<Motions>(contacts, options.motions), active, options,
-                      memory ? &(*memory)[g] : nullptr);
+                      memory ? &(*memory)[g] : nullptr, law);
       for (std::size_t k = 0; k < group.size(); ++k)
         if (active[at(group[k])] && (joint.contacts[at(group[k])].step == step || step == steps.back()))
           take(at(group[k]), std::move(pressed[k]));

@@ -60,11 +60,13 @@ struct Pressed {
   std::vector<PressedSprings> contacts;  ///< one per contact of the joint, whatever step it acts in
   std::vector<Vector6> on_body;  ///< per body: force and moment of all contacts about its current centre of mass
 };
-/// All contacts at given poses (one per body), without a search for the poses. Contacts that press one layer are pressed
-/// together if they act at the same time; one that acts in all steps, with those of the last of them. Bodies that pass through each other are
-/// no fault: the springs' strain and `too_deep` tell. `memory`: as in solve. Stopped: options.stop was set.
+/// All contacts at given poses (one per body), without a search for the poses. Contacts that press one layer are
+/// pressed together if they act at the same time; one that acts in all steps, with those of the last of them. Bodies
+/// that pass through each other are no fault: the springs' strain and `too_deep` tell. `memory`: as in solve.
+/// `ligaments`: those on deformable parts pull as in this load case. Stopped: options.stop was set. UsageError: there
+/// are such ligaments, and no load case.
 Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const PressOptions& options = {},
-              std::vector<PressMemory>* memory = nullptr);
+              std::vector<PressMemory>* memory = nullptr, const LoadCase* ligaments = nullptr);
 
 /// Where partners press one place of a layer at once: more than kMostTwice means that the pressures mean nothing.
 PressedTwice pressed_twice(const Prepared& prepared, const Pressed& pressed, const std::vector<Pose>& poses);

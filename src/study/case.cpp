@@ -23,6 +23,8 @@ CaseState case_state(const Joint& joint, StateResult&& state, bool keep_fields, 
   out.statistics = std::move(state.statistics);
   out.layers = std::move(state.layers);
   for (LayerStatistics& layer : out.layers) layer.pressure = {};
+  out.parts = std::move(state.parts);
+  for (PartStress& part : out.parts) part.stress = part.strain = {};
   out.poses = std::move(state.equilibrium.poses);
   out.reactions = std::move(state.equilibrium.reaction);
   for (std::size_t c = 0; keep_fields && c < state.fields.size(); ++c) {
@@ -36,6 +38,7 @@ CaseState case_state(const Joint& joint, StateResult&& state, bool keep_fields, 
 void describe(const JointModel& model, const Joint& joint, bool with_surfaces, CaseResult& result) {
   for (const Body& body : joint.bodies) result.bodies.push_back(body.name);
   for (const SharedLayer& layer : joint.shared_layers) result.layers.push_back(layer.name);
+  for (const SoftPart& part : joint.parts) result.parts.push_back(part.name);
   for (const ContactPair& pair : joint.contacts) {
     const auto body = [&](const Layer& layer) { return joint.bodies[at(layer.body)].name; };
     result.contacts.push_back(

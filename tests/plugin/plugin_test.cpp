@@ -101,6 +101,27 @@ TEST(Plugin, SamplesAsDeaRunSolvesThem) {
   }
 }
 
+// Axes of elements in one meniscus, fibres of elements in the other: FEBio keeps them apart from the material.
+TEST(Plugin, FibresAndAxesOfElementsAsDeaRunTakesThem) {
+  const TemporaryFolder folder;
+  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "menisci" / "menisci.feb"), axes, fibres;
+  for (int i = 1; i <= 108; ++i) {
+    const char* along = i <= 54 ? "1,0,0" : "0,1,0";  // of length 1 without rounding
+    axes += fmt::format("<e lid=\"{}\"><a>{}</a><d>0,0,1</d></e>\n", i, along);
+    fibres += fmt::format("<e lid=\"{}\">{}</e>\n", i, along);
+  }
+  const std::string local = "<fiber type=\"local\">1,2</fiber>";
+  text.replace(text.find(local), local.size(), "<fiber type=\"vector\">1,0,0</fiber>");
+  text.replace(text.find(local), local.size(), "<fiber type=\"user\"/>");
+  const std::string end = "</MeshDomains>\n";
+  text.insert(text.find(end) + end.size(),
+              fmt::format("<MeshData>\n<ElementData type=\"mat_axis\" elem_set=\"medial_meniscus\">\n{}</ElementData>\n"
+                          "<ElementData type=\"fiber\" elem_set=\"lateral_meniscus\">\n{}</ElementData>\n</MeshData>\n",
+                          axes, fibres));
+  write(folder.path / "directions.feb", text);
+  expect_the_same(folder.path, "directions.feb");
+}
+
 TEST(Plugin, ReferenceModelsAsDeaRunSolvesThem) {
   const std::vector<fs::path> models = models_in(DEA_REFERENCE_DIR);
   if (models.empty()) GTEST_SKIP() << "no models in " << DEA_REFERENCE_DIR;

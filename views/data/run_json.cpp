@@ -317,14 +317,9 @@ Json layer_json(const JointModel& model, const Joint& joint, const SharedLayer& 
 
 /// Stress in a part that gives way.
 Json part_json(const SoftPart& part, const PartStress& s) {
-  const PartNumber along = s.fibre.value_or(PartNumber{});
-  return {{"name", part.name},
-          {"first_principal_stress_p99", json_number(s.principal.p99)},
-          {"first_principal_stress_peak", json_number(s.principal.peak)},
-          {"fibre_stress_p99", json_number(along.p99)},
-          {"fibre_stress_peak", json_number(along.peak)},
-          {"largest_strain", json_number(s.largest_strain)},
-          {"largest_turn", json_number(s.largest_turn)}};
+  Json j = {{"name", part.name}};
+  for (const NamedNumber<PartStress>& number : part_numbers()) j[number.name] = json_number(number.value(s));
+  return j;
 }
 
 Json state_json(const JointModel& model, const Joint& joint, const StateResult& state) {

@@ -29,6 +29,13 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
                           shown(body.name), vector_text(body.center_of_mass));
       continue;
     }
+    const auto part = std::find_if(check.joint.parts.begin(), check.joint.parts.end(),
+                                   [&](const SoftPart& p) { return p.free() && p.body == b; });
+    if (part != check.joint.parts.end()) {
+      text += fmt::format("  {}: a part that gives way and nothing holds, material {}; centre {}\n", shown(body.name),
+                          in_quotes(part->material), vector_text(body.center_of_mass));
+      continue;
+    }
     std::string materials;
     for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + in_quotes(model.materials[at(m)].name);
     text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", shown(body.name),

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <set>
 
 #include "src/base/names.h"
@@ -78,6 +79,48 @@ constexpr Paper kJohnson = {
   publisher = {Cambridge University Press},
   year      = {1985},
   note      = {Section 5.8: thin layers}
+}
+)"};
+constexpr Paper kGuyan = {
+    "Guyan, 1965", "Guyan RJ (1965). Reduction of stiffness and mass matrices. AIAA J 3(2):380. doi:10.2514/3.2874",
+    R"(@article{Guyan1965,
+  author  = {Guyan, Robert J.},
+  title   = {Reduction of stiffness and mass matrices},
+  journal = {AIAA Journal},
+  year    = {1965},
+  volume  = {3},
+  number  = {2},
+  pages   = {380},
+  doi     = {10.2514/3.2874}
+}
+)"};
+constexpr Paper kHughes = {
+    "Hughes, 1980",
+    "Hughes TJR (1980). Generalization of selective integration procedures to anisotropic and nonlinear media. Int J "
+    "Numer Methods Eng 15(9):1413-1418. doi:10.1002/nme.1620150914",
+    R"(@article{Hughes1980,
+  author  = {Hughes, T. J. R.},
+  title   = {Generalization of selective integration procedures to anisotropic and nonlinear media},
+  journal = {International Journal for Numerical Methods in Engineering},
+  year    = {1980},
+  volume  = {15},
+  number  = {9},
+  pages   = {1413--1418},
+  doi     = {10.1002/nme.1620150914}
+}
+)"};
+constexpr Paper kBonet = {
+    "Bonet and Burton, 1998",
+    "Bonet J, Burton AJ (1998). A simple average nodal pressure tetrahedral element for incompressible and nearly "
+    "incompressible dynamic explicit applications. Commun Numer Methods Eng 14(5):437-449.",
+    R"(@article{Bonet1998,
+  author  = {Bonet, J. and Burton, A. J.},
+  title   = {A simple average nodal pressure tetrahedral element for incompressible and nearly incompressible dynamic explicit applications},
+  journal = {Communications in Numerical Methods in Engineering},
+  year    = {1998},
+  volume  = {14},
+  number  = {5},
+  pages   = {437--449}
 }
 )"};
 constexpr const char* kProgramBibtex = R"(@software{{FEBioDEA,
@@ -169,7 +212,9 @@ void say_bodies(Methods& m, const Joint& joint) {
   std::vector<std::string> rigid, moved;
   for (int b : reported_bodies(joint)) {
     const Body& body = joint.bodies[at(b)];
-    if (body.ground) continue;
+    const bool of_part = std::any_of(joint.parts.begin(), joint.parts.end(),
+                                     [&](const SoftPart& part) { return part.free() && part.body == b; });
+    if (body.ground || of_part) continue;
     (body.moved_by.empty() ? rigid : moved).push_back(in_quotes(body.name));
   }
   if (!rigid.empty()) m.say(fmt::format("{} {} rigid.", and_list(rigid), rigid.size() == 1 ? "was" : "were"));
@@ -194,7 +239,7 @@ void say_layers(Methods& m, const JointModel& model, const Settings& settings, c
   bool cartilage = false;
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
-      if (!said.insert(layer.surface).second) continue;
+      if (layer.part >= 0 || !said.insert(layer.surface).second) continue;
       const std::string surface = in_quotes(model.surfaces[at(layer.surface)].name);
       const std::string body = in_quotes(joint.bodies[at(layer.body)].name);
       if (layer.rigid) {
@@ -215,6 +260,41 @@ void say_layers(Methods& m, const JointModel& model, const Settings& settings, c
                         : "the small-strain constants of the model's materials";
   m.say(settings.E.empty() && settings.nu.empty() ? fmt::format("E and nu were {}.", own)
                                                   : fmt::format("E and nu were those given, else {}.", own));
+}
+
+/// How elements are kept from locking.
+std::string dilatation_words(Methods& m, const PartMesh& mesh) {
+  const auto any = [&](std::initializer_list<ElementShape> shapes) {
+    return std::find_first_of(mesh.shape.begin(), mesh.shape.end(), shapes.begin(), shapes.end()) != mesh.shape.end();
+  };
+  std::vector<std::string> words;
+  if (any({ElementShape::Hex8, ElementShape::Penta6, ElementShape::Pyra5}))
+    words.push_back(fmt::format("the mean dilatation of each element ({})", m.cite(kHughes)));
+  if (any({ElementShape::Tet4}))
+    words.push_back(fmt::format("the mean dilatation around each node ({})", m.cite(kBonet)));
+  return words.empty() ? "" : fmt::format(", with {}", and_list(words));
+}
+
+void say_parts(Methods& m, const JointModel& model, const Settings& settings, const Joint& joint) {
+  for (const SoftPart& part : joint.parts) {
+    const auto held = std::count_if(part.holder.begin(), part.holder.end(), [](int body) { return body >= 0; });
+    const bool fibres = std::any_of(part.mesh.fibre.begin(), part.mesh.fibre.end(),
+                                    [](const Vector3d& along) { return !along.isZero(0); });
+    m.say(fmt::format(
+        "Part {} gave way as a mesh of {} elements and {} nodes, linear-elastic at small strain{}, reduced to the "
+        "surfaces that are pressed by static condensation ({}); {}.",
+        in_quotes(part.name), part.mesh.elements(), part.mesh.size(), dilatation_words(m, part.mesh), m.cite(kGuyan),
+        held > 0 ? fmt::format("{} of its nodes moved with {}", held, in_quotes(joint.bodies[at(part.body)].name))
+                 : "contacts and springs alone held it"));
+    const Material& material =
+        *std::find_if(model.materials.begin(), model.materials.end(),
+                      [&](const Material& candidate) { return candidate.name == part.material; });
+    m.say(fmt::format("Its material was {} ({}), with {} small-strain constants{}.", in_quotes(material.name),
+                      material.type, settings.E.empty() && settings.nu.empty() ? "its" : "E and nu as given, else its",
+                      fibres ? fmt::format("; its fibres were linear, with their modulus at a strain of {}%",
+                                           number_text(100 * settings.fibre_strain.value_or(0.0)))
+                             : ""));
+  }
 }
 
 std::string law_words(Methods& m, const ContactPair& pair) {
@@ -327,6 +407,7 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
   say_stated(m, model, check.joint);
   say_bodies(m, check.joint);
   say_layers(m, model, settings, check.joint);
+  say_parts(m, model, settings, check.joint);
   say_planes(m, check.joint);
   say_contacts(m, model, settings, check);
   say_loads(m, model, settings, check);

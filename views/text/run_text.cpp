@@ -11,6 +11,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/time_text.h"
+#include "src/results/contact_numbers.h"
 
 namespace dea {
 
@@ -114,16 +115,14 @@ Table parts_table(const Joint& joint, const std::vector<StateResult>& states, co
   table.headings = {"time", "part"};
   for (const char* number : {"first principal p99", "peak", "along fibres p99", "peak"})
     table.headings.push_back(with_unit(number, units, Dimension::Pressure));
-  table.headings.insert(table.headings.end(), {"largest strain", "turn [rad]"});
-  table.left = "rlrrrrrr";
+  table.headings.insert(table.headings.end(),
+                        {"largest strain", "turn [rad]", with_unit("displacement", units, Dimension::Length)});
+  table.left = "rlrrrrrrr";
   for (const StateResult& state : states)
     for (std::size_t k = 0; k < state.parts.size(); ++k) {
-      const PartStress& part = state.parts[k];
       std::vector<std::string> row = {time_text(state.when.time), joint.parts[k].name};
-      const PartNumber along = part.fibre.value_or(PartNumber{});
-      for (const double x :
-           {part.principal.p99, part.principal.peak, along.p99, along.peak, part.largest_strain, part.largest_turn})
-        row.push_back(four_digits(x));
+      for (const NamedNumber<PartStress>& number : part_numbers())
+        row.push_back(four_digits(number.value(state.parts[k])));
       table.rows.push_back(std::move(row));
     }
   return table;
