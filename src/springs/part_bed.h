@@ -12,9 +12,6 @@ namespace dea {
 /// The operator of a part of the joint.
 std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart& part);
 
-/// The other halves of the quadrilaterals that a surface's triangles are halves of.
-std::vector<PartQuad> part_quads(const SurfaceMesh& mesh);
-
 /// How the nodes of parts have moved, nodes x 3, in their frames; a part that is not there has not moved.
 using PartMotions = std::map<const PartOperator*, Eigen::MatrixX3d>;
 

@@ -9,6 +9,7 @@
 #include "src/joint/part.h"
 #include "src/model/stiffness.h"
 #include "tests/analytic/axisymmetric_contact.h"
+#include "tests/analytic/elastic_layer.h"
 #include "tests/src/part_models.h"
 
 namespace dea::parts_elastic_test {
@@ -179,6 +180,94 @@ TEST(ElasticParts, RingUnderABall) {
     near(found.peak[0], exact.peak[0], 0.05);
     near(found.peak[1], exact.peak[1], 0.03);
   }
+}
+
+// ---- a sphere on a block that is bonded below -----------------------------------------------------------------------
+
+struct Block {
+  double E = 10, nu = 0.45, thickness = 4, radius = 20, depth = 0.1;
+  double half = 8;  ///< of its sides
+  ElementShape shape = ElementShape::Hex8;
+  int n = 12, through = 3;
+  double uneven = 0;  ///< by how much of the cells nodes inside are moved
+};
+
+analytic::PunchResult exact_of(const Block& in) {
+  const analytic::ParabolicPunch punch{[&](double k) { return analytic::flat_layer(in.E, in.nu, in.thickness, k); },
+                                       2 * (1 - in.nu * in.nu) / in.E, in.thickness, in.radius};
+  return punch.sphere(in.depth, 1.6 * std::sqrt(in.radius * in.depth));
+}
+
+/// The mesh is finer in the middle and above.
+Solved press_block(const Block& in) {
+  const double t = in.thickness, half = in.half;
+  PartMesh mesh = block_of(
+      in.shape, {in.n, in.n, in.through}, {2 * half, 2 * half, t}, isotropic_stiffness(in.E, in.nu), [&](Vector3d x) {
+        x -= Vector3d(half, half, t);
+        const bool inside = std::abs(x[0]) < half - 1e-9 && std::abs(x[1]) < half - 1e-9;
+        const double cell = inside ? in.uneven * 2 * half / in.n : 0.0;
+        const Vector3d by(cell * std::sin(37 * x[0] + 11 * x[1]), cell * std::sin(23 * x[1] - 7 * x[0]), 0);
+        x += by;
+        for (int k = 0; k < 2; ++k) x[k] *= 0.35 + 0.65 * std::abs(x[k]) / half;
+        x[2] *= 0.5 + 0.5 * std::abs(x[2]) / t;
+        return x;
+      });
+  JointModel model = empty_model();
+  add_mesh(model, mesh, "block", in.E, in.nu);
+  FixedNodes base;
+  base.xyz = {true, true, true};
+  for (int i = 0; i < mesh.size(); ++i)
+    if (mesh.nodes[at(i)][2] < 1e-9 - t) base.nodes.push_back(i);
+  model.fixed_nodes.push_back(base);
+  const auto above = [&](const Vector3d& x) { return x.z() > -1e-9; };
+  const int top = add_facets(model, "top", mesh, above, [](const Vector3d&) { return Vector3d(0, 0, 1); });
+  const int ball = add_material(model, "ball", true);
+  const double wide = std::min(0.6 * in.radius, 2 * std::sqrt(2 * in.radius * in.depth));
+  const int sphere = add_rigid_square(model, "sphere", ball, 40, wide, false, [&](double x, double y) {
+    return in.radius - std::sqrt(in.radius * in.radius - x * x - y * y);
+  });
+  add_contact(model, "contact", top, sphere);
+  fix(model, ball, {true, true, false, true, true, true});
+  prescribe(model, ball, 2, -in.depth);
+  Settings settings;
+  settings.part = {"block"};
+  return solve(model, settings);
+}
+
+/// Force and pressures, and that pressures of triangles side by side do not alternate: how far, of the largest, a
+/// triangle is off the mean of its neighbours, taken beside what the exact pressures do there. Elements with nodes on
+/// their edges, too: their facets are told by these.
+TEST(ElasticParts, PressuresHaveNoCheckerboard) {
+  for (const ElementShape shape : {ElementShape::Hex8, ElementShape::Hex20, ElementShape::Penta15, ElementShape::Tet10})
+    for (const double uneven : {0.0, 0.15}) {
+      SCOPED_TRACE(element_type(shape).name + (uneven > 0 ? std::string(", uneven") : ""));
+      Block in;
+      in.shape = shape;
+      in.uneven = uneven;
+      const analytic::PunchResult exact = exact_of(in);
+      const Solved s = press_block(in);
+      const SpringStates& springs = s.e.springs[0];
+      const double peak = *std::max_element(springs.pressure.begin(), springs.pressure.end());
+      EXPECT_NEAR(s.e.contact_on_target[0].head<3>().norm() / exact.force, 1, 0.04);
+      EXPECT_NEAR(peak / exact.peak, 1, 0.12);
+      const auto off = [&](int i) {
+        const double at_ring = springs.foot[at(i)].head<2>().norm() / exact.step;
+        const std::size_t ring = static_cast<std::size_t>(at_ring);
+        return springs.pressure[at(i)] - (ring < exact.pressure.size() ? exact.pressure[ring] : 0.0);
+      };
+      const SurfaceMesh& mesh = s.joint.contacts[0].source_layer().spring_surface();
+      ASSERT_EQ(mesh.size(), springs.size());
+      double sum = 0;
+      int count = 0;
+      for (int i = 0; i < mesh.size(); ++i) {
+        if (springs.foot[at(i)].head<2>().norm() > 0.75 * exact.radius) continue;
+        double around = 0;
+        for (const int j : mesh.neighbours[at(i)]) around += off(j) / 3;
+        sum += std::pow((off(i) - around) / 2, 2);
+        ++count;
+      }
+      EXPECT_LT(std::sqrt(sum / count), 0.08 * exact.peak);
+    }
 }
 
 // ---- beams ----------------------------------------------------------------------------------------------------------
