@@ -38,7 +38,6 @@ BedLayer bed_layer(const Joint& joint, const ContactPair& pair, int side, Shared
     if (!made) made = make_part(joint, part);
     of.part = made;
     for (const int node : layer.articular.model_nodes) of.part_node.push_back(part.node_of(node));
-    of.part_quad = part_quads(layer.articular);
     return of;
   }
   if (layer.rigid) return of;

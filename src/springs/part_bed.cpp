@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -14,67 +15,121 @@ namespace dea {
 
 namespace {
 
-/// Means over what of a triangle a foot stands on: of its barycentric weights, and of their products two by two.
-struct Moments {
-  Barycentric mean = {0, 0, 0};
-  std::array<Barycentric, 3> product = {};
+/// A point of what of a triangle a foot stands on, in the triangle's barycentric weights; shares add up to 1.
+struct FootPoint {
+  Barycentric place;
+  double share;
 };
 
-/// `corners`: of a convex polygon in the triangle, in its barycentric weights.
-Moments moments_of(const Barycentric* corners, int count) {
-  Moments m;
+/// `corners`: of a convex polygon in the triangle. Exact for polynomials of degree 4.
+std::vector<FootPoint> points_of(const Barycentric* corners, int count) {
+  struct Rule {
+    double near, share;  // three points near the middles of the edges, three near the corners
+  };
+  constexpr std::array<Rule, 2> rules = {
+      {{0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.109951743655322}}};
+  std::vector<FootPoint> points;
   double all = 0.0;
-  for (int k = 1; k + 1 < count; ++k) {  // a fan of triangles; on each, means of products of linear functions
+  for (int k = 1; k + 1 < count; ++k) {  // a fan of triangles
     const std::array<const Barycentric*, 3> of = {&corners[0], &corners[k], &corners[k + 1]};
     const Barycentric &a = *of[0], &b = *of[1], &c = *of[2];
     const double area = std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     all += area;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double sum_i = a[i] + b[i] + c[i];
-      m.mean[i] += area * sum_i / 3;
-      for (std::size_t j = 0; j < 3; ++j) {
-        double both = sum_i * (a[j] + b[j] + c[j]);
-        for (const Barycentric* corner : of) both += (*corner)[i] * (*corner)[j];
-        m.product[i][j] += area * both / 12;
+    for (const Rule& rule : rules)
+      for (std::size_t far = 0; far < 3; ++far) {
+        FootPoint point{{0, 0, 0}, area * rule.share};
+        for (std::size_t i = 0; i < 3; ++i)
+          for (std::size_t j = 0; j < 3; ++j)
+            point.place[i] += (j == far ? 1 - 2 * rule.near : rule.near) * (*of[j])[i];
+        points.push_back(point);
       }
-    }
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    m.mean[i] /= all;
-    for (double& p : m.product[i]) p /= all;
-  }
-  return m;
+  for (FootPoint& point : points) point.share /= all;
+  return points;
 }
 
-/// At one point.
-Moments moments_at(const Barycentric& w) {
-  Moments m{w, {}};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) m.product[i][j] = w[i] * w[j];
-  return m;
+/// The facet of an element that a triangle of a surface is cut out of (split_facet), whose displacements are told by
+/// its vertices. Of facets with seven or nine vertices the triangle itself.
+struct PartFacet {
+  int count = 3;
+  std::array<int, 8> vertex = {};              ///< corners, middles of the edges from each on
+  std::array<Eigen::Vector2d, 3> corner = {};  ///< of the triangle: in that of (0, 0), (1, 0), (0, 1), or in [-1, 1]^2
+};
+
+/// Where the vertices of a facet lie in it.
+Eigen::Vector2d place_in_facet(int count, int k) {
+  static const std::array<Eigen::Vector2d, 6> triangle = {{{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}}};
+  static const std::array<Eigen::Vector2d, 8> square = {
+      {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}}};
+  return count % 3 == 0 ? triangle[at(k)] : square[at(k)];
 }
 
-/// Adds an even traction's forces on nodes. Half a quadrilateral shares them as the whole does, whose displacements are
-/// bilinear: with its corner at the right angle r, the ends p and q of the diagonal and s beyond it, and x = w_p, y =
-/// w_q, s gets xy, p gets x (1 - y), q gets (1 - x) y, r the rest.
-void add_force(PartFeet& feet, const BedLayer& of, const SurfaceMesh& mesh, int t, const Moments& m,
-               const Vector3d& force) {
-  const auto& corners = mesh.triangles[at(t)];
-  const auto put = [&](int vertex, double share) {
-    feet.node.push_back(of.part_node[at(vertex)]);
-    feet.weight.push_back(share * force);
+PartFacet facet_of(const SurfaceMesh& mesh, int t) {
+  int first = t, end = t + 1;
+  while (first > 0 && mesh.facet[at(first - 1)] == mesh.facet[at(t)]) --first;
+  while (end < mesh.size() && mesh.facet[at(end)] == mesh.facet[at(t)]) ++end;
+  const auto corner = [&](int triangle, int k) { return mesh.triangles[at(first + triangle)][at(k)]; };
+  PartFacet facet;
+  const auto take = [&](std::initializer_list<int> vertices) {
+    facet.count = static_cast<int>(vertices.size());
+    std::copy(vertices.begin(), vertices.end(), facet.vertex.begin());
   };
-  const PartQuad& quad = of.part_quad[at(t)];
-  if (quad.diagonal < 0) {
-    for (std::size_t c = 0; c < 3; ++c) put(corners[c], m.mean[c]);
-    return;
+  take({mesh.triangles[at(t)][0], mesh.triangles[at(t)][1], mesh.triangles[at(t)][2]});
+  if (end - first == 2) {
+    for (int k = 0; k < 3; ++k)  // the diagonal
+      if (const int other = mesh.neighbours[at(first)][at(k)]; other == first + 1)
+        for (const int beyond : mesh.triangles[at(other)])
+          if (beyond != corner(0, k) && beyond != corner(0, (k + 1) % 3))
+            take({corner(0, (k + 2) % 3), corner(0, k), beyond, corner(0, (k + 1) % 3)});
+  } else if (end - first == 4) {
+    take({corner(0, 0), corner(1, 1), corner(2, 2), corner(0, 1), corner(1, 2), corner(0, 2)});
+  } else if (end - first == 6 && corner(0, 2) != corner(1, 2)) {  // else of seven vertices
+    take({corner(0, 0), corner(1, 0), corner(2, 0), corner(3, 0), corner(0, 1), corner(1, 1), corner(2, 1),
+          corner(3, 1)});
   }
-  const std::size_t p = at(quad.diagonal), q = (p + 1) % 3, r = (p + 2) % 3;
-  const double both = m.product[p][q];
-  put(corners[p], m.mean[p] - both);
-  put(corners[q], m.mean[q] - both);
-  put(corners[r], m.mean[r] + both);
-  put(quad.beyond, both);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (int k = 0; k < facet.count; ++k)
+      if (facet.vertex[at(k)] == mesh.triangles[at(t)][c]) facet.corner[c] = place_in_facet(facet.count, k);
+  return facet;
+}
+
+/// How far a facet's point goes with each of its vertices.
+std::array<double, 8> shape_functions(int count, const Eigen::Vector2d& x) {
+  std::array<double, 8> N = {};
+  if (count % 3 == 0) {
+    const std::array<double, 3> L = {1 - x[0] - x[1], x[0], x[1]};
+    for (std::size_t k = 0; k < 3; ++k) {
+      N[k] = count == 3 ? L[k] : L[k] * (2 * L[k] - 1);
+      if (count == 6) N[3 + k] = 4 * L[k] * L[(k + 1) % 3];
+    }
+    return N;
+  }
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector2d of = place_in_facet(count, k);
+    const double u = 1 + of[0] * x[0], v = 1 + of[1] * x[1];
+    if (k < 4)
+      N[at(k)] = 0.25 * u * v * (count == 4 ? 1.0 : u + v - 3);
+    else
+      N[at(k)] = 0.5 * (of[0] == 0 ? (1 - x[0] * x[0]) * v : (1 - x[1] * x[1]) * u);
+  }
+  return N;
+}
+
+/// Adds an even traction's forces on nodes, as the work of the facet's displacements shares them.
+void add_force(PartFeet& feet, const BedLayer& of, const SurfaceMesh& mesh, int t, const std::vector<FootPoint>& points,
+               const Vector3d& force) {
+  const PartFacet facet = facet_of(mesh, t);
+  std::array<double, 8> share = {};
+  for (const FootPoint& point : points) {
+    Eigen::Vector2d x = Eigen::Vector2d::Zero();
+    for (std::size_t c = 0; c < 3; ++c) x += point.place[c] * facet.corner[c];
+    const std::array<double, 8> N = shape_functions(facet.count, x);
+    for (std::size_t k = 0; k < 8; ++k) share[k] += point.share * N[k];
+  }
+  for (int k = 0; k < facet.count; ++k) {
+    feet.node.push_back(of.part_node[at(facet.vertex[at(k)])]);
+    feet.weight.push_back(share[at(k)] * force);
+  }
 }
 
 void end_foot(PartFeet& feet, double area, double soft) {
@@ -208,21 +263,6 @@ std::vector<PartTie> part_holds(const SoftPart& of, const PartOperator& made) {
   return holds;
 }
 
-std::vector<PartQuad> part_quads(const SurfaceMesh& mesh) {
-  std::vector<int> count(at(mesh.facets), 0);
-  for (const int f : mesh.facet) ++count[at(f)];
-  std::vector<PartQuad> quads(mesh.triangles.size());
-  for (int t = 0; t < mesh.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int other = mesh.neighbours[at(t)][at(k)];
-      if (other < 0 || mesh.facet[at(other)] != mesh.facet[at(t)] || count[at(mesh.facet[at(t)])] != 2) continue;
-      const auto& corners = mesh.triangles[at(t)];
-      for (const int v : mesh.triangles[at(other)])
-        if (v != corners[at(k)] && v != corners[at((k + 1) % 3)]) quads[at(t)] = {k, v};
-    }
-  return quads;
-}
-
 namespace {
 
 void add_parts(const SpringBed& bed, std::vector<const PartOperator*>& parts) {
@@ -303,10 +343,12 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
     if (on_source && area > 0) {
       const int t = bed.springs.surface_triangle[k];
       const Vector3d foot = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
-      const Moments m = s.coverage[k] < 1
-                            ? moments_at(weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot))
-                            : moments_of(bed.springs.weights[k].data(), 3);
-      add_force(feet, bed.layers->source, from, t, m, -area * bed.springs.direction[k]);
+      const std::vector<FootPoint> points =
+          s.coverage[k] < 1
+              ? std::vector<FootPoint>{{weights_in({from.corner(t, 0), from.corner(t, 1), from.corner(t, 2)}, foot),
+                                        1.0}}
+              : points_of(bed.springs.weights[k].data(), 3);
+      add_force(feet, bed.layers->source, from, t, points, -area * bed.springs.direction[k]);
     }
     if (on_target && area > 0) {
       const std::vector<SurfacePart> under = parts_under_spring(bed, relative, to, s, i, s.triangle[k], to.size());
@@ -315,7 +357,7 @@ void add_feet(const SpringBed& bed, const SpringStates& s, const Pose& source, c
       const Vector3d n = relative.rotation * bed.springs.direction[k];
       for (const SurfacePart& p : under)
         if (covered > 0)
-          add_force(feet, bed.layers->target, to, p.triangle, moments_of(p.corner.data(), p.corners),
+          add_force(feet, bed.layers->target, to, p.triangle, points_of(p.corner.data(), p.corners),
                     area * p.area / covered * n);
     }
     end_foot(feet, area, part.softness);

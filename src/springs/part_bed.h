@@ -16,9 +16,6 @@ std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart
 /// part, along all axes at nodes far apart. None where one body holds it. Its frame's end is the source.
 std::vector<PartTie> part_holds(const SoftPart& part, const PartOperator& made);
 
-/// The other halves of the quadrilaterals that a surface's triangles are halves of.
-std::vector<PartQuad> part_quads(const SurfaceMesh& mesh);
-
 /// How the nodes of parts have moved, nodes x 3, in their frames; a part that is not there has not moved.
 using PartMotions = std::map<const PartOperator*, Eigen::MatrixX3d>;
 

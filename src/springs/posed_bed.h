@@ -11,12 +11,6 @@
 
 namespace dea {
 
-/// What a triangle of a part's surface is half of.
-struct PartQuad {
-  int diagonal = -1;  ///< its edge (k, k + 1) between both halves; -1: it is no half of a quadrilateral
-  int beyond = -1;    ///< the vertex of the other half
-};
-
 /// A layer as one contact presses it.
 struct BedLayer {
   std::shared_ptr<const LayerOperator> layer;  ///< the same for all contacts that press it; none: a bare rigid surface
@@ -27,7 +21,6 @@ struct BedLayer {
   std::vector<char> own;  ///< per triangle of the layer's mesh: of the contact's surface; empty: the pressed ones are
   std::shared_ptr<const PartOperator> part;  ///< what gives way under the surface in a layer's place; none: nothing
   std::vector<int> part_node;                ///< per vertex of the surface: the part's node
-  std::vector<PartQuad> part_quad;           ///< per triangle of the surface
 
   /// The triangle of the layer's mesh at a point of the surface's triangle `t`.
   int mesh_triangle(int t, const Barycentric& w) const;
