@@ -178,8 +178,9 @@ std::vector<Rule> all_rules() {
       of_result(
           "part-strained", "Load it less, or use FEBio: parts are linear.",
           {{W,
-            "part \"{part}\" is strained by {strain:.3g}% and turned by {turn:.3g} degrees somewhere: beyond about 10% "
-            "and 6 degrees what it bears and where it goes are no more than near"}},
+            "part \"{part}\" is strained by {strain:.3g}% and turned by {turn:.3g} degrees somewhere, and parts are "
+            "linear: a disc that is pressed by 10% bears 10% too little, a beam that is turned by 6 or 20 degrees goes "
+            "0.5 or 6% too far"}},
           strained_parts),
       of_result("large-strain", "Check load, modulus, thickness and units.",
                 {{W,
