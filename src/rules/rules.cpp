@@ -471,7 +471,11 @@ std::vector<Rule> all_rules() {
             {W,
              "the fibres of \"{material}\" ({type}) in part \"{part}\" are left out, for their law or their direction "
              "is "
-             "given in a way that is not read: what gives way is the matrix around them"}}),
+             "given in a way that is not read: what gives way is the matrix around them"},
+            {N,
+             "the fibres of \"{material}\" ({type}) in part \"{part}\" lie in many directions, and have the modulus "
+             "{modulus:.4g} each, as at a strain of {strain:g}% (at 0, 3 and 6%: {at_0:.4g}, {at_3:.4g}, {at_6:.4g}; "
+             "{give} takes that at 3%); they are linear and resist being shortened, too"}}),
       told("center-of-mass-left-out", "Give the centre of mass of the body's first material.",
            {{N,
              "material \"{material}\": its centre of mass {x:.4g},{y:.4g},{z:.4g} is left out, as in FEBio: it shares "
