@@ -91,11 +91,15 @@ Matrix6d matrix_of(const JointModel& model, const RegionElement& e, const Materi
   return D;
 }
 
+/// Nearly incompressible: no element locks yet.
+constexpr double kTrapped = 0.499;
+
 /// The stiffness of a material at small strain. InputError: the model does not tell it. Fibres that are not known are
 /// left out (fibre_findings tells of them).
 Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part) {
   const JointModel& model = parts.model;
   Matrix6d D = matrix_of(model, e, m, part);
+  if (m.fluid && parts.settings.instant) D += trapped_fluid_stiffness(D, kTrapped);
   for (const Fibres& of : m.fibres)
     if (const auto along = fibre_in(model, e, of)) {
       const double modulus = fibre_modulus(of, parts.settings.fibre_strain.value_or(0.0));
@@ -200,6 +204,30 @@ Findings fibre_findings(const ModelParts& parts, std::size_t region) {
                           : fibres.spread ? 2
                                           : 0});
     }
+  return findings;
+}
+
+Findings fluid_findings(const ModelParts& parts, std::size_t region) {
+  const JointModel& model = parts.model;
+  const SoftRegion& soft = parts.soft[region];
+  std::map<int, bool> told;
+  Findings findings;
+  for_each_element(parts, soft.region, [&](const RegionElement& e) {
+    const Material& m = model.materials[at(e.domain.material)];
+    if (!m.fluid || std::exchange(told[e.domain.material], true)) return;
+    const Matrix6d drained = matrix_of(model, e, m, soft.name);
+    const double K = drained.topLeftCorner<3, 3>().sum() / 9,
+                 trapped = trapped_fluid_stiffness(drained, kTrapped)(0, 0);
+    findings.push_back({"part-fluid",
+                        {},
+                        {{"part", soft.name},
+                         {"material", m.name},
+                         {"type", m.type.substr(0, m.type.find('/'))},
+                         {"drained", K},
+                         {"trapped", K + trapped},
+                         {"give", NamedSetting{"instant"}}},
+                        parts.settings.instant ? 1 : 0});
+  });
   return findings;
 }
 

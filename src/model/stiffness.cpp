@@ -168,6 +168,15 @@ Matrix6d deviatoric_stiffness(const Matrix6d& D) {
   return P * D * P;
 }
 
+Matrix6d trapped_fluid_stiffness(const Matrix6d& drained, double nu) {
+  const double normal = drained.diagonal().head<3>().sum(), shear = drained.diagonal().tail<3>().sum(),
+               K = drained.topLeftCorner<3, 3>().sum() / 9, across = (9 * K - normal) / 2,
+               G = (normal - across + 3 * shear) / 15;
+  Matrix6d D = Matrix6d::Zero();
+  D.topLeftCorner<3, 3>().setConstant(2 * G * (1 + nu) / (3 * (1 - 2 * nu)) - K);
+  return D;
+}
+
 Matrix6d spread_of(const std::function<double(const Vector3d&)>& density, bool in_plane, bool deviatoric) {
   const int circles = in_plane ? 1 : 200, around = 400;  // midpoints: errors of 1e-5, and less in the plane
   const double pi = std::acos(-1.0);

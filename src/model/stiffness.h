@@ -89,6 +89,10 @@ std::optional<Matrix6d> orthotropic_stiffness(const std::array<double, 3>& E, co
 /// What is left of a stiffness without change of volume and pressure.
 Matrix6d deviatoric_stiffness(const Matrix6d& D);
 
+/// What a fluid that cannot get away adds to a drained stiffness: the pressure that makes its isotropic mean (Voigt's)
+/// one of Poisson's ratio `nu`.
+Matrix6d trapped_fluid_stiffness(const Matrix6d& drained, double nu);
+
 /// Mean over directions of what fibres of modulus 1 along them add, weighted by their density: over the sphere, or
 /// over directions in the plane of the first two axes.
 Matrix6d spread_of(const std::function<double(const Vector3d&)>& density, bool in_plane, bool deviatoric);

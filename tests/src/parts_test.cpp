@@ -342,6 +342,33 @@ TEST(Parts, StiffnessInAxes) {
   }
 }
 
+/// A disc with fluid in it: free to widen it has E of its solid, at once 3 G (less 0.07% for nu is 0.499); between
+/// walls it would have the aggregate modulus of these.
+TEST(Parts, OfAFluidFilledSolid) {
+  const double E = 0.5, nu = 0.1, d = 0.02, G = E / (2 * (1 + nu));
+  for (const bool instant : {false, true}) {
+    JointModel model = block_between_plates(E, nu, d).model;
+    Material& m = model.materials[at(model.domains[0].material)];
+    m.fluid = true;
+    m.type = "biphasic/neo-Hookean";
+    Settings settings;
+    settings.instant = instant;
+    const double modulus = instant ? 2 * G * 1.499 : E, ratio = instant ? 0.499 : nu;
+    const Solved s = solve(model, settings);
+    EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    EXPECT_NEAR(std::abs(s.e.contact_on_target[0][2]), 36 * modulus * d / 3, 1e-5 * 36 * modulus * d / 3);
+    const double aggregate = modulus * (1 - ratio) / ((1 + ratio) * (1 - 2 * ratio));
+    EXPECT_NEAR(s.joint.parts[0].mesh.elastic[0](2, 2), aggregate, 1e-9 * aggregate);
+    const auto told = std::find_if(s.joint.findings.begin(), s.joint.findings.end(),
+                                   [](const Finding& f) { return f.code == "part-fluid"; });
+    ASSERT_NE(told, s.joint.findings.end());
+    EXPECT_EQ(told->form, instant ? 1 : 0);
+    EXPECT_EQ(told->values[2], (NamedValue{"type", "biphasic"}));
+    EXPECT_NEAR(std::get<double>(told->values[3].value.is), E / (3 * (1 - 2 * nu)), 1e-12);
+    EXPECT_NEAR(std::get<double>(told->values[4].value.is), 2 * G * 1.499 / (3 * 0.002), 1e-9);
+  }
+}
+
 /// Where nothing presses a part at first, and then something does.
 TEST(Parts, AreMetOnTheWay) {
   JointModel model = block_between_plates(10, 0.3, 0.1).model;

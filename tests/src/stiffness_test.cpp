@@ -118,6 +118,21 @@ TEST(Stiffness, WithoutChangeOfVolume) {
       1e-14);
 }
 
+/// The fluid makes an isotropic solid one of its shear modulus and of the Poisson's ratio given; of one with axes it
+/// adds a pressure alone.
+TEST(Stiffness, OfTrappedFluid) {
+  const double E = 0.5, nu = 0.1, G = E / (2 * (1 + nu));
+  const Matrix6d solid = isotropic_stiffness(E, nu);
+  EXPECT_LT((solid + trapped_fluid_stiffness(solid, 0.499) - isotropic_stiffness(2 * G * 1.499, 0.499)).norm(), 1e-9);
+  EXPECT_LT(trapped_fluid_stiffness(solid, nu).norm(), 1e-14);
+  const Matrix6d D = *orthotropic_stiffness({140, 20, 30}, {50, 11, 60}, {0.4, 0.3, 0.1});
+  const Matrix6d fluid = trapped_fluid_stiffness(D, 0.499);
+  EXPECT_LT((fluid - turned_stiffness(fluid, some_turn())).norm(), 1e-9 * fluid.norm());
+  EXPECT_LT(deviatoric_stiffness(fluid).norm(), 1e-9 * fluid.norm());
+  // whichever way it is turned, it has the same mean
+  EXPECT_NEAR(trapped_fluid_stiffness(turned_stiffness(D, some_turn()), 0.499)(0, 1), fluid(0, 1), 1e-9 * fluid(0, 1));
+}
+
 /// Means of n n n n on paper: on the sphere 1/15 (3 along itself, 1 across and in shear), in a plane 1/8.
 TEST(Stiffness, OfFibresInManyDirections) {
   const auto even = [](const Vector3d&) { return 1.0; };
