@@ -82,7 +82,7 @@ void read_directions(FEDomain& fe, Domain& domain) {
   for (int i = 0; i < fe.Elements(); ++i) {
     FEMaterialPoint* point = fe.ElementRef(i).GetMaterialPoint(0);
     if (point == nullptr) return;
-    if (fibre != nullptr) domain.fibre.push_back(vector_of(fibre->unitVector(*point)));
+    if (fibre != nullptr) domain.fibre[""].push_back(vector_of(fibre->unitVector(*point)));
     const mat3d Q = material->GetLocalCS(*point);
     Eigen::Matrix3d& axes = domain.axes.emplace_back();
     for (int row = 0; row < 3; ++row)

@@ -1507,21 +1507,21 @@ TEST(BadInput, ADeformableBoneOfShells) {
 
 // What is missing is said, where it is missing.
 TEST(BadInput, AMaterialThatLacksOneConstant) {
-  const std::string fung = edited({{"type=\"neo-Hookean\"", "type=\"Fung orthotropic\""}});
+  const std::string other = edited({{"type=\"neo-Hookean\"", "type=\"orthotropic CLE\""}});
   check({"both",
-         fung,
+         other,
          3,
          "<material id=\"1\"",
-         {"surface \"top\": material \"cartilage\" (type Fung orthotropic) gives no E and nu",
+         {"surface \"top\": material \"cartilage\" (type orthotropic CLE) gives no E and nu",
           "give them with --E \"top=VALUE\" --nu \"top=VALUE\""}});
   check({"E is given",
-         fung,
+         other,
          3,
          "<material id=\"1\"",
          {"gives no nu (", "give it with --nu \"top=VALUE\""},
          {"--E", "5"}});
   check({"nu is given",
-         fung,
+         other,
          3,
          "<material id=\"1\"",
          {"gives no E (", "give it with --E \"top=VALUE\""},

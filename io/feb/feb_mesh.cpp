@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <set>
 #include <utility>
@@ -561,11 +562,27 @@ void set_thickness(Reading& reading, const XMLElement& element, const ElementPla
   }
 }
 
-/// The direction of an element's fibres.
-void set_fibre(Reading& reading, const XMLElement& element, const ElementPlace& place) {
+/// The direction of an element's fibres. `path`: which, as Fibres::path.
+void set_fibre(Reading& reading, const XMLElement& element, const ElementPlace& place, const std::string& path = "") {
   Domain& domain = reading.model.domains[at(place.domain)];
-  domain.fibre.resize(domain.element_ids.size(), Vector3d::Zero());
-  domain.fibre[at(place.index)] = read_vector(reading, element).normalized();
+  std::vector<Vector3d>& fibre = domain.fibre[path];
+  fibre.resize(domain.element_ids.size(), Vector3d::Zero());
+  fibre[at(place.index)] = read_vector(reading, element).normalized();
+}
+
+/// "solid[1]" of "solid[1].fiber", "" of "fiber"; FEBio counts from 0, the first has no number.
+std::string fibre_path(const std::string& variable) {
+  std::string path = variable.substr(0, variable.size() - std::min(variable.size(), std::strlen(".fiber")));
+  for (std::size_t first; (first = path.find("[0]")) != path.npos;) path.erase(first, 3);
+  return path;
+}
+
+/// The direction of an element's fibres that say that this map has it.
+void set_mapped_fibre(Reading& reading, const XMLElement& element, const ElementPlace& place, const std::string& map) {
+  const int material = reading.model.domains[at(place.domain)].material;
+  if (material < 0) return;
+  for (const Fibres& fibres : reading.model.materials[at(material)].fibres)
+    if (fibres.direction.map == map) set_fibre(reading, element, place, fibres.path);
 }
 
 /// Its material axes, <a> and <d>.
@@ -581,10 +598,10 @@ void set_axes(Reading& reading, const XMLElement& element, const ElementPlace& p
   domain.axes[at(place.index)] = *axes;
 }
 
-using SetOfElement = void (*)(Reading&, const XMLElement&, const ElementPlace&);
+using SetOfElement = std::function<void(Reading&, const XMLElement&, const ElementPlace&)>;
 
 /// Calls `set` for each <e lid="k"> of a section of MeshData, or for all elements where the section is a value itself.
-void read_by_element(Reading& reading, const XMLElement& section, SetOfElement set) {
+void read_by_element(Reading& reading, const XMLElement& section, const SetOfElement& set) {
   const std::vector<ElementPlace> places =
       places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
   if (is_leaf(section)) {
@@ -880,6 +897,8 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
            fmt::format("a second {} {}, expected one: FEBio would make two domains of its elements, one over the other",
                        tag, quote(name)));
     const std::string mat = need_attribute(reading, child, "mat");
+    if (const XMLElement* axes = child.FirstChildElement("mat_axis"))
+      ignore(reading, *axes, fmt::format("<mat_axis> of {}: give it in the material, or as ElementData", tag));
     const XMLElement* thickness = child.FirstChildElement("shell_thickness");
     for (const int index : domains->second) {
       assign_material(reading, child, index, mat, false);
@@ -898,6 +917,15 @@ bool names_modulus(const std::string& variable) {
   return variable.find("material") != std::string::npos && moduli.count(last) > 0;
 }
 
+/// Do fibres of a material say that this map has their directions?
+bool names_fibres(const Reading& reading, const std::string& map) {
+  const std::vector<Material>& materials = reading.model.materials;
+  return !map.empty() && std::any_of(materials.begin(), materials.end(), [&](const Material& m) {
+    return std::any_of(m.fibres.begin(), m.fibres.end(),
+                       [&](const Fibres& fibres) { return fibres.direction.map == map; });
+  });
+}
+
 void read_mesh_data(Reading& reading, const XMLElement& element) {
   const std::string variable = attribute(element, element.Attribute("var") != nullptr ? "var" : "type");
   const std::string what = fmt::format("{} {}", element.Name(), quote(variable));
@@ -905,8 +933,16 @@ void read_mesh_data(Reading& reading, const XMLElement& element) {
   const std::string last = variable.substr(variable.find_last_of('.') + 1);  // of "solid[0].fiber", too
   if (of_elements && variable == "shell thickness") {
     read_by_element(reading, element, set_thickness);
-  } else if (of_elements && (last == "fiber" || last == "mat_axis") && !is_leaf(element)) {
-    read_by_element(reading, element, last == "fiber" ? set_fibre : set_axes);
+  } else if (of_elements && last == "mat_axis" && !is_leaf(element)) {
+    read_by_element(reading, element, set_axes);
+  } else if (of_elements && last == "fiber" && !is_leaf(element)) {
+    const std::string path = fibre_path(variable);
+    read_by_element(reading, element,
+                    [&](Reading& r, const XMLElement& e, const ElementPlace& place) { set_fibre(r, e, place, path); });
+  } else if (const std::string map = attribute(element, "name"); of_elements && names_fibres(reading, map)) {
+    read_by_element(reading, element, [&](Reading& r, const XMLElement& e, const ElementPlace& place) {
+      set_mapped_fibre(r, e, place, map);
+    });
   } else if (std::strcmp(element.Name(), "SurfaceData") == 0 && element.Attribute("name") != nullptr) {
     read_surface_map(reading, element, what);
   } else if (of_elements && names_modulus(variable)) {

@@ -53,6 +53,12 @@ constexpr Row kRows[] = {
     {Place::Material, "Mooney-Rivlin,Veronda-Westmann,coupled Mooney-Rivlin,coupled Veronda-Westmann",
      "c1,c2,k,density", kUncoupledOthers},
     {Place::Material, "trans iso Mooney-Rivlin,trans iso Veronda-Westmann", "c1,c2,k,density", kFibres},
+    {Place::Material, "coupled trans-iso Mooney-Rivlin,coupled trans-iso Veronda-Westmann", "c1,c2,c3,c4,c5,k,density",
+     "lam_max,lambda,mat_axis,fiber"},
+    {Place::Material, "orthotropic elastic,Fung-ortho-compressible,Fung orthotropic",
+     "E1,E2,E3,G12,G23,G31,v12,v23,v31,k,density", "c,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "Holzapfel-Gasser-Ogden,HGO unconstrained", "c,k1,k2,kappa,gamma,k,density",
+     "pressure_model,laugon,atol,mat_axis,fiber"},
     {Place::Material, "Ogden", "c1,c2,c3,c4,c5,c6,k,density",
      "m1,m2,m3,m4,m5,m6,pressure_model,laugon,atol,mat_axis,fiber"},
     {Place::Material, "Ogden unconstrained", "c1,c2,c3,c4,c5,c6,cp,density", "m1,m2,m3,m4,m5,m6,mat_axis,fiber"},
@@ -282,8 +288,7 @@ void check_words(Draft& draft, Place place, const Component& component) {
 void check_control_word(Draft& draft, Origin origin, std::string_view word) {
   Known known;
   known_in(Place::Control, "Control", known);
-  if (!one_of(word, known.others))
-    unknown_word(draft, origin, word, "Control", "Control", known.taken, known.others);
+  if (!one_of(word, known.others)) unknown_word(draft, origin, word, "Control", "Control", known.taken, known.others);
 }
 
 std::vector<std::string> material_types() {

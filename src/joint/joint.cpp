@@ -470,6 +470,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
     for (std::size_t k = 0; k < joint.parts.size(); ++k) {
       add_once(joint.findings, {part_finding(parts, k, joint.parts[k])});
       add_once(joint.findings, fibre_findings(parts, k));
+      add_once(joint.findings, fluid_findings(parts, k));
     }
     joint.shared_layers = find_shared_layers(parts, joint.contacts, joint.findings);
   } catch (const InputError& error) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "src/base/numbers.h"
 #include "src/base/say.h"
@@ -22,64 +23,89 @@ struct RegionElement {
   Vector3d at_node(const JointModel& model, int k) const {
     return k >= 0 && k < count ? model.nodes[at(nodes[k])] : Vector3d(Vector3d::Constant(kNaN));
   }
+  Vector3d middle(const JointModel& model) const {
+    Vector3d sum = Vector3d::Zero();
+    for (int k = 0; k < count; ++k) sum += model.nodes[at(nodes[k])] / count;
+    return sum;
+  }
 };
 
-/// The material's axes in an element, as FEBio has them: its own take the material's place. Nothing: they are not
-/// known.
-std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElement& e, const Axes& axes) {
-  if (!e.domain.axes.empty() && !e.domain.axes[e.place].isZero(0)) return e.domain.axes[e.place];
-  switch (axes.by) {
-    case Axes::By::None:
-      return Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-    case Axes::By::Vectors:
-      return axes_from(axes.a, axes.d);
-    case Axes::By::Nodes: {
-      const Vector3d from = e.at_node(model, axes.nodes[0]);
-      return axes_from(e.at_node(model, axes.nodes[1]) - from, e.at_node(model, axes.nodes[2]) - from);
+/// The axes of a material in an element: each in those before it, and the element's own take the place of the first.
+/// Nothing: they are not known.
+std::optional<Eigen::Matrix3d> axes_in(const JointModel& model, const RegionElement& e, const std::vector<Axes>& axes) {
+  Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();
+  const bool own = !e.domain.axes.empty() && !e.domain.axes[e.place].isZero(0);
+  if (own) Q = e.domain.axes[e.place];
+  for (std::size_t k = own ? 1 : 0; k < axes.size(); ++k) {
+    std::optional<Eigen::Matrix3d> next;
+    if (axes[k].by == Axes::By::Nodes) {
+      const std::array<int, 3>& nodes = axes[k].nodes;
+      const Vector3d from = e.at_node(model, nodes[0]), a = (e.at_node(model, nodes[1]) - from).normalized();
+      const Vector3d y = std::abs(a.y()) > 0.999 ? Vector3d::UnitX() : Vector3d::UnitY();
+      next = axes_from(a, nodes[2] == nodes[1] ? y : Vector3d(e.at_node(model, nodes[2]) - from));
+    } else {
+      next = axes_at(axes[k], e.middle(model));
     }
-    case Axes::By::Unknown:
-      break;
+    if (!next) return std::nullopt;
+    Q *= *next;
   }
-  return std::nullopt;
+  return Q;
 }
 
 /// Along the fibres in an element; nothing: it is not known.
-std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e, const Material& m, const Fibres& of) {
-  const std::optional<Eigen::Matrix3d> Q = axes_in(model, e, m.axes);
+std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e, const Fibres& of) {
+  const std::optional<Eigen::Matrix3d> Q = axes_in(model, e, of.axes);
   const Direction& direction = of.direction;
-  Vector3d v = Vector3d::UnitX();
-  if (!e.domain.fibre.empty() && !e.domain.fibre[e.place].isZero(0))
-    v = e.domain.fibre[e.place];
-  else if (direction.by == Direction::By::Vector)
-    v = direction.vector;
+  auto own = e.domain.fibre.find(of.path);
+  if (own == e.domain.fibre.end()) own = e.domain.fibre.find("");
+  std::optional<Vector3d> v;
+  if (of.spread)
+    v = Vector3d::UnitX();  // the first of their axes stands for them
+  else if (own != e.domain.fibre.end() && !own->second[e.place].isZero(0))
+    v = own->second[e.place];
   else if (direction.by == Direction::By::Nodes)
     v = (e.at_node(model, direction.nodes[1]) - e.at_node(model, direction.nodes[0])).normalized();
-  else if (direction.by == Direction::By::Unknown)
-    return std::nullopt;
-  if (!Q || !(v.norm() > 0.5)) return std::nullopt;  // NaN, too
-  return Vector3d(*Q * v);
+  else if (direction.by == Direction::By::Element)
+    v = e.domain.axes.empty() ? std::nullopt : std::optional<Vector3d>(Vector3d::UnitX());
+  else
+    v = direction_at(direction, e.middle(model));
+  if (!Q || !v || !(v->norm() > 0.5)) return std::nullopt;  // NaN, too
+  return Vector3d(*Q * *v);
 }
+
+/// The stiffness of a material's matrix at small strain. InputError: the model does not tell it.
+Matrix6d matrix_of(const JointModel& model, const RegionElement& e, const Material& m, const std::string& part) {
+  const auto refuse = [&](const std::string& why) {
+    throw fault_at(model, m.origin, say("material \"{}\" of part \"{}\": {};", m.name, part, why),
+                   say("give the part a material with a stiffness, or take it as rigid with {}",
+                       NamedSetting{"rigid", "", m.name}));
+  };
+  if (m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
+  if (m.stiffness.empty()) refuse(m.note.empty() ? "neither E and nu nor another stiffness is known of it" : m.note);
+  Matrix6d D = Matrix6d::Zero();
+  for (const StiffnessInAxes& of : m.stiffness) {
+    const auto Q = axes_in(model, e, of.axes);
+    if (!Q) refuse("its axes are given in a way that is not read");
+    D += turned_stiffness(of.D, *Q);
+  }
+  return D;
+}
+
+/// Nearly incompressible: no element locks yet.
+constexpr double kTrapped = 0.499;
 
 /// The stiffness of a material at small strain. InputError: the model does not tell it. Fibres that are not known are
 /// left out (fibre_findings tells of them).
 Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Material& m, const std::string& part) {
   const JointModel& model = parts.model;
-  Matrix6d D;
-  if (const auto Q = m.stiffness ? axes_in(model, e, m.axes) : std::nullopt) {
-    D = turned_stiffness(*m.stiffness, *Q);
-  } else if (m.E > 0 && m.nu > -1 && m.nu < 0.5) {
-    D = isotropic_stiffness(m.E, m.nu);
-  } else {
-    throw fault_at(
-        model, m.origin,
-        m.stiffness ? say("material \"{}\" of part \"{}\": its axes are given in a way that is not read;", m.name, part)
-                    : say("material \"{}\" of part \"{}\": E = {:g}, nu = {:g} ({});", m.name, part, m.E, m.nu, m.note),
-        say("give the part a material with a stiffness, or take it as rigid with {}",
-            NamedSetting{"rigid", "", m.name}));
-  }
+  Matrix6d D = matrix_of(model, e, m, part);
+  if (m.fluid && parts.settings.instant) D += trapped_fluid_stiffness(D, kTrapped);
   for (const Fibres& of : m.fibres)
-    if (const auto along = fibre_in(model, e, m, of))
-      D += fibre_stiffness(fibre_modulus(of, parts.settings.fibre_strain.value_or(0.0)), of.deviatoric, *along);
+    if (const auto along = fibre_in(model, e, of)) {
+      const double modulus = fibre_modulus(of, parts.settings.fibre_strain.value_or(0.0));
+      D += of.spread ? turned_stiffness(modulus * *of.spread, *axes_in(model, e, of.axes))
+                     : fibre_stiffness(modulus, of.deviatoric, *along);
+    }
   return D;
 }
 
@@ -169,7 +195,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.mesh.shape.push_back(d.shape);
     part.mesh.material.push_back(d.material);
     part.elements.push_back({static_cast<int>(&d - model.domains.data()), static_cast<int>(e.place)});
-    const auto along = material.fibres.empty() ? std::nullopt : fibre_in(model, e, material, material.fibres.front());
+    const auto along = material.fibres.empty() ? std::nullopt : fibre_in(model, e, material.fibres.front());
     part.mesh.fibre.push_back(along.value_or(Vector3d::Zero()));
     part.mesh.elastic.push_back(elastic_of(parts, e, material, part.name));
     for (int k = 0; k < e.count; ++k) part.mesh.element_node.push_back(part.node_of(e.nodes[k]));
@@ -188,7 +214,7 @@ Findings fibre_findings(const ModelParts& parts, std::size_t region) {
     const Material& m = model.materials[at(e.domain.material)];
     std::vector<char>& of = known.try_emplace(e.domain.material, m.fibres.size(), 1).first->second;
     for (std::size_t k = 0; k < of.size(); ++k)
-      of[k] = of[k] && m.fibres[k].law != Fibres::Law::Unknown && fibre_in(model, e, m, m.fibres[k]);
+      of[k] = of[k] && m.fibres[k].law != Fibres::Law::Unknown && fibre_in(model, e, m.fibres[k]);
   });
   Findings findings;
   for (const auto& [material, of] : known)
@@ -207,8 +233,34 @@ Findings fibre_findings(const ModelParts& parts, std::size_t region) {
                            {"at_3", fibre_modulus(fibres, 0.03)},
                            {"at_6", fibre_modulus(fibres, 0.06)},
                            {"give", NamedSetting{"fibre-strain", "", "0.03"}}},
-                          of[k] ? 0 : 1});
+                          !of[k]          ? 1
+                          : fibres.spread ? 2
+                                          : 0});
     }
+  return findings;
+}
+
+Findings fluid_findings(const ModelParts& parts, std::size_t region) {
+  const JointModel& model = parts.model;
+  const SoftRegion& soft = parts.soft[region];
+  std::map<int, bool> told;
+  Findings findings;
+  for_each_element(parts, soft.region, [&](const RegionElement& e) {
+    const Material& m = model.materials[at(e.domain.material)];
+    if (!m.fluid || std::exchange(told[e.domain.material], true)) return;
+    const Matrix6d drained = matrix_of(model, e, m, soft.name);
+    const double K = drained.topLeftCorner<3, 3>().sum() / 9,
+                 trapped = trapped_fluid_stiffness(drained, kTrapped)(0, 0);
+    findings.push_back({"part-fluid",
+                        {},
+                        {{"part", soft.name},
+                         {"material", m.name},
+                         {"type", m.type.substr(0, m.type.find('/'))},
+                         {"drained", K},
+                         {"trapped", K + trapped},
+                         {"give", NamedSetting{"instant"}}},
+                        parts.settings.instant ? 1 : 0});
+  });
   return findings;
 }
 

@@ -51,4 +51,7 @@ std::vector<SoftPart> make_parts(const ModelParts& parts);
 /// What is taken of the fibres of a region of ModelParts::soft (`part-fibres`).
 Findings fibre_findings(const ModelParts& parts, std::size_t region);
 
+/// Whether the fluid in such a region has had time to get away (`part-fluid`).
+Findings fluid_findings(const ModelParts& parts, std::size_t region);
+
 }  // namespace dea

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,8 +36,9 @@ struct Domain {
   std::vector<int> element_ids;         ///< as in the file
   std::vector<int> nodes;               ///< node indices (zero-based), nodes_per_element(shape) each
   std::vector<double> shell_thickness;  ///< one per element node; empty: none given
-  std::vector<Vector3d> fibre;          ///< per element, along its fibres, in the material's axes; zero: none given
-  std::vector<Eigen::Matrix3d> axes;    ///< per element, its own axes as columns; zero: none given
+  /// Per element, along its fibres, in the material's axes; zero: none given. By Fibres::path.
+  std::map<std::string, std::vector<Vector3d>> fibre;
+  std::vector<Eigen::Matrix3d> axes;  ///< per element, its own axes as columns; zero: none given
   Origin origin;
 };
 
@@ -88,8 +90,8 @@ struct Material {
   double nu = kNaN;                        ///< small-strain Poisson's ratio; NaN: see `note`
   std::string note;                        ///< how E and nu were found ("drained solid"), or why there are none
   std::vector<Fibres> fibres;              ///< what E and nu leave out; only parts have use for it
-  std::optional<Matrix6d> stiffness;       ///< in its own axes, where no E and nu tell it
-  Axes axes;
+  std::vector<StiffnessInAxes> stiffness;  ///< where no E and nu tell it: their sum, in their axes
+  bool fluid = false;                      ///< fluid fills it: what is here is its drained solid
   Origin origin;
 };
 

@@ -134,6 +134,7 @@ struct Settings {
   std::vector<std::string> part;   ///< deformable materials whose elements are to give way as meshed, no layers
   std::vector<std::string> leave_out;         ///< deformable materials whose elements are taken out of the model
   std::optional<double> fibre_strain;         ///< at which fibres of parts have their stiffness, >= 0; empty: 0
+  bool instant = false;                       ///< fluid in parts has had no time to get away
   std::map<std::string, std::string> attach;  ///< surface -> body it belongs to ("ground" for the ground)
   std::map<std::string, std::string> bone;    ///< articular surface -> surface that is its bone surface
   std::vector<std::string> keep_facets;       ///< surfaces of which no facet is left out as side wall or bonded

@@ -25,16 +25,13 @@ Findings drained_cartilage(const JointModel& model, const Joint& joint) {
     for (const Layer& layer : pair.layers) {
       if (layer.rigid || layer.material < 0) continue;
       const Material& material = model.materials[at(layer.material)];
-      const std::string outer = material.type.substr(0, material.type.find('/'));
-      const bool fluid =
-          outer == "biphasic" || outer == "biphasic-solute" || outer == "triphasic" || outer == "multiphasic";
       // what the user gives for the layer is not the drained solid's
-      if (!fluid || layer.elasticity.E != material.E || layer.elasticity.nu != material.nu) continue;
+      if (!material.fluid || layer.elasticity.E != material.E || layer.elasticity.nu != material.nu) continue;
       const std::string& surface = model.surfaces[at(layer.surface)].name;
       found.push_back({"drained-cartilage",
                        {.surface = surface},
                        {{"material", material.name},
-                        {"type", outer},
+                        {"type", material.type.substr(0, material.type.find('/'))},
                         {"E", material.E},
                         {"nu", material.nu},
                         {"give_E", NamedSetting{"E", surface, "MODULUS"}},

@@ -491,7 +491,19 @@ std::vector<Rule> all_rules() {
             {W,
              "the fibres of \"{material}\" ({type}) in part \"{part}\" are left out, for their law or their direction "
              "is "
-             "given in a way that is not read: what gives way is the matrix around them"}}),
+             "given in a way that is not read: what gives way is the matrix around them"},
+            {N,
+             "the fibres of \"{material}\" ({type}) in part \"{part}\" lie in many directions, and have the modulus "
+             "{modulus:.4g} each, as at a strain of {strain:g}% (at 0, 3 and 6%: {at_0:.4g}, {at_3:.4g}, {at_6:.4g}; "
+             "{give} takes that at 3%); they are linear and resist being shortened, too"}}),
+      told("part-fluid", "For an instant of walking take what the fluid makes of it before it has moved.",
+           {{N,
+             "\"{material}\" of part \"{part}\" is {type} and taken as its solid (bulk modulus {drained:.4g}), as at "
+             "rest, after its fluid has moved; for a load as fast as a step type {give} (bulk modulus {trapped:.4g})"},
+            {N,
+             "\"{material}\" of part \"{part}\" is {type} and taken as incompressible (bulk modulus {trapped:.4g}), "
+             "for its fluid has had no time to move ({give}); at rest, without it, its solid bears alone (bulk modulus "
+             "{drained:.4g})"}}),
       told("center-of-mass-left-out", "Give the centre of mass of the body's first material.",
            {{N,
              "material \"{material}\": its centre of mass {x:.4g},{y:.4g},{z:.4g} is left out, as in FEBio: it shares "

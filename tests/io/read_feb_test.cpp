@@ -659,10 +659,10 @@ TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
   const Case cases[] = {
       {"4.0", R"(type="isotropic elastic"><E>10</E><v>0.25</v>)", 4, 20.0 / 3, ""},
       {"4.0", R"(type="EFD neo-Hookean"><E>10</E><v>0.25</v><beta>2,2,2</beta>)", 4, 20.0 / 3,
-       "ground matrix, fibres left out"},
+       "ground matrix without its fibres"},
       {"4.0", R"(type="Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>100</k>)", 3, 100, ""},
       {"4.0", R"(type="trans iso Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><c3>9</c3><k>100</k>)", 3, 100,
-       "ground matrix, fibres left out"},
+       "ground matrix without its fibres"},
       {"4.0", R"(type="Veronda-Westmann"><c1>2</c1><c2>3</c2><k>50</k>)", 6, 50, ""},
       {"4.0", R"(type="Ogden"><c1>2</c1><m1>2</m1><c3>4</c3><m3>2</m3><k>50</k>)", 3, 50, ""},
       {"4.0", R"(type="Gent"><G>3</G><Jm>10</Jm><k>30</k>)", 3, 30, ""},
@@ -672,12 +672,18 @@ TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
       {"4.0", R"(type="Ogden unconstrained"><cp>5</cp><c1>6</c1><m1>2</m1>)", 3, 7, ""},
       {"4.0", R"(type="coupled Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>10</k>)", 3, 14, ""},
       {"4.0", R"(type="coupled Veronda-Westmann"><c1>3</c1><c2>1</c2><k>10</k>)", 3, 18, ""},
+      {"4.0", R"(type="coupled trans-iso Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><c3>2</c3><k>10</k>)", 3, 14,
+       "ground matrix without its fibres"},
+      {"4.0", R"(type="Holzapfel-Gasser-Ogden"><c>3</c><k1>9</k1><k2>2</k2><kappa>0</kappa><gamma>30</gamma><k>50</k>)",
+       3, 50, "ground matrix without its fibres"},
+      {"4.0", R"(type="HGO unconstrained"><c>3</c><k1>9</k1><k2>2</k2><kappa>0.1</kappa><gamma>30</gamma><k>5</k>)", 3,
+       7, "ground matrix without its fibres"},
       {"4.0",
        R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="neo-Hookean"><E>20</E><v>0.25</v></solid>)",
        12, 20, ""},
       {"4.0",
        R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="fiber-exp-pow"><ksi>5</ksi></solid>)",
-       4, 20.0 / 3, "ground matrix, fibres left out"},
+       4, 20.0 / 3, "ground matrix without its fibres"},
       {"2.5", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 40, ""},
       {"4.0", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 10, ""},
       {"2.5",
@@ -724,7 +730,14 @@ TEST_F(ReadFeb, MaterialsWithoutConstantsSayWhy) {
       {R"(type="neo-Hookean"><E lc="1">1</E><v>0</v>)", "E follows a load controller"},
       {R"(type="Mooney-Rivlin"><c1>1</c1>)", "no stiffness: G = 2, K = 0, need both > 0"},
       {R"(type="plugin jelly"><E>1</E>)", "no small-strain E and nu are known for type \"plugin jelly\""},
-      {R"(type="orthotropic elastic"><E1>1</E1>)", "orthotropic, no single E and nu"},
+      {R"(type="orthotropic elastic"><E1>1</E1><E2>1</E2><G12>1</G12><G23>1</G23><G31>1</G31><v12>0</v12><v23>0</v23>)",
+       "orthotropic, no single E and nu; missing: E3, v31"},
+      {R"(type="orthotropic elastic"><E1>1</E1><E2>1</E2><E3>1</E3><G12>1</G12><G23>1</G23><G31>1</G31><v12>2</v12><v23>0</v23><v31>0</v31>)",
+       "orthotropic, no single E and nu; no elastic body has its E1 to v31: need E and G > 0, and v12 < sqrt(E1/E2) "
+       "and "
+       "so on"},
+      {R"(type="Fung orthotropic"><E1>1</E1><E2>1</E2><E3>1</E3><G12>1</G12><G23>1</G23><G31>1</G31><v12>0</v12><v23>0</v23><v31>0</v31><c>1</c>)",
+       "orthotropic, no single E and nu; no stiffness: K = 0, need K > 0"},
       {R"(type="biphasic"><phi0>0.2</phi0>)", "\"biphasic\" without a nested solid"},
       {R"(type="solid mixture"><solid type="jelly"/>)", "no small-strain E and nu are known for type \"jelly\""},
   };
@@ -735,6 +748,131 @@ TEST_F(ReadFeb, MaterialsWithoutConstantsSayWhy) {
     EXPECT_TRUE(std::isnan(m.materials[0].nu)) << c.first;
     EXPECT_EQ(m.materials[0].note, c.second);
   }
+}
+
+/// The matrices of materials with axes, on paper: Fung's has no K of its own, its twin adds k; what is nested is told
+/// in the axes of what is around it; what relaxes, relaxes all of it.
+TEST_F(ReadFeb, StiffnessOfMaterialsWithAxes) {
+  const std::string constants =
+      "<E1>140</E1><E2>20</E2><E3>30</E3><G12>50</G12><G23>11</G23><G31>60</G31><v12>0.4</v12><v23>0.3</v23><v31>0.1</"
+      "v31>"
+      "<c>1</c>";
+  const auto material = [&](const std::string& text) {
+    return read(feb("4.0", "<Material><material id=\"1\" name=\"a\" " + text + "</material></Material>")).materials[0];
+  };
+  const auto sum = [](const Material& m) {
+    Matrix6d D = Matrix6d::Zero();
+    for (const StiffnessInAxes& of : m.stiffness) D += of.D;
+    return D;
+  };
+  const Matrix6d own = *orthotropic_stiffness({140, 20, 30}, {50, 11, 60}, {0.4, 0.3, 0.1});
+  const std::string along =
+      "<mat_axis type=\"cylindrical\"><center>1,2,3</center><axis>0,0,2</axis><vector>0,3,0</vector></mat_axis>";
+  const Material fung = material("type=\"Fung orthotropic\">" + constants + "<k>90</k>" + along);
+  EXPECT_LT((sum(fung) - deviatoric_stiffness(own) - lame_stiffness(0, 90)).norm(), 1e-10);
+  ASSERT_EQ(fung.stiffness[0].axes.size(), 1u);
+  EXPECT_EQ(fung.stiffness[0].axes[0].by, Axes::By::Cylindrical);
+  EXPECT_EQ(fung.stiffness[0].axes[0].center, Vector3d(1, 2, 3));
+  EXPECT_EQ(fung.stiffness[0].axes[0].axis, Vector3d::UnitZ());
+  EXPECT_EQ(fung.stiffness[0].axes[0].a, Vector3d::UnitY());
+  EXPECT_TRUE(std::isnan(fung.E));
+  EXPECT_LT(
+      (sum(material("type=\"Fung-ortho-compressible\">" + constants + "<k>5</k>")) - own - lame_stiffness(0, 5)).norm(),
+      1e-10);
+  const Material wet = material(
+      "type=\"biphasic\">" + along +
+      "<solid type=\"viscoelastic\"><g0>0.5</g0><elastic type=\"solid mixture\">"
+      "<solid type=\"neo-Hookean\"><E>10</E><v>0.25</v></solid><solid type=\"orthotropic elastic\">" +
+      constants +
+      "<mat_axis type=\"angles\"><theta>90</theta><phi>90</phi></mat_axis></solid><solid type=\"fiber-NH\"><mu>3</mu>"
+      "<fiber type=\"angles\"><theta>0</theta><phi>0</phi></fiber></solid></elastic></solid>");
+  EXPECT_TRUE(wet.fluid);
+  EXPECT_LT((sum(wet) - 0.5 * own - 0.5 * isotropic_stiffness(10, 0.25)).norm(), 1e-10);
+  ASSERT_EQ(wet.stiffness[0].axes.size(), 2u);
+  EXPECT_EQ(wet.stiffness[0].axes[0].by, Axes::By::Cylindrical);
+  EXPECT_LT((wet.stiffness[0].axes[1].a - Vector3d::UnitY()).norm(), 1e-15);
+  EXPECT_LT((wet.stiffness[0].axes[1].d + Vector3d::UnitX()).norm(), 1e-15);
+  ASSERT_EQ(wet.fibres.size(), 1u);
+  EXPECT_LT((wet.fibres[0].direction.vector - Vector3d::UnitZ()).norm(), 1e-15);
+  EXPECT_EQ(wet.fibres[0].axes.size(), 1u);
+  EXPECT_EQ(wet.fibres[0].path, "solid.elastic.solid[2]");
+  EXPECT_DOUBLE_EQ(fibre_modulus(wet.fibres[0], 0), 0.5 * 2 * 3);
+}
+
+/// Moduli at no strain, on paper, of what FEBio has for fibres.
+TEST_F(ReadFeb, LawsOfFibres) {
+  struct Case {
+    const char* solid;
+    double modulus;  ///< NaN: it is not known
+  };
+  const Case cases[] = {
+      {R"(type="fiber-NH"><mu>3</mu>)", 6},
+      {R"(type="fiber-exp-pow"><ksi>5</ksi><alpha>9</alpha><beta>2</beta>)", 20},
+      {R"(type="fiber-exp-pow-uncoupled"><ksi>5</ksi>)", 20},
+      {R"(type="fiber-exp-pow"><ksi>5</ksi><lam0>1.02</lam0>)", 0},
+      {R"(type="fiber-exp-pow"><ksi>5</ksi><mu>1</mu>)", kNaN},
+      {R"(type="fiber-exp-linear"><c3>0.5</c3><c4>20</c4><c5>9</c5><lambda>1.05</lambda>)", 10},
+      {R"(type="uncoupled fiber-exp-linear"><c3>0.5</c3><c4>20</c4><c5>9</c5><lambda>1.05</lambda>)", 10},
+      {R"(type="fiber-pow"><ksi>5</ksi><beta>2</beta>)", 40},
+      {R"(type="fiber-pow-linear"><E>9</E><beta>2</beta><lam0>1.05</lam0>)", 9 / std::pow(1.05, 3)},
+      {R"(type="fiber-exp-pow-linear"><E>9</E><alpha>1</alpha><lam0>1.05</lam0>)", 0},
+      {R"(type="fiber-natural-NH"><ksi>7</ksi>)", 7},
+      {R"(type="fiber-Kiousis-uncoupled"><d1>3</d1><d2>1</d2><n>2</n>)", 12},
+      {R"(type="fiber-entropy-chain"><N>3</N><ksi>1</ksi>)", kNaN},
+      {R"(type="continuous fiber distribution"><fibers type="fiber-NH"><mu>3</mu></fibers><distribution type="spherical"/><scheme type="fibers-3d-gkt"/>)",
+       6},
+      {R"(type="continuous fiber distribution"><fibers type="fiber-NH"><mu>3</mu></fibers><distribution type="jelly"/><scheme type="fibers-3d-gkt"/>)",
+       kNaN},
+  };
+  for (const Case& c : cases) {
+    const JointModel m = read(feb(
+        "4.0",
+        fmt::format(
+            R"(<Material><material id="1" name="a" type="solid mixture"><solid type="neo-Hookean"><E>1</E><v>0</v></solid><solid {}</solid></material></Material>)",
+            c.solid)));
+    ASSERT_EQ(m.materials[0].fibres.size(), 1u) << c.solid;
+    const Fibres& fibres = m.materials[0].fibres[0];
+    EXPECT_EQ(fibres.law == Fibres::Law::Unknown, std::isnan(c.modulus)) << c.solid;
+    if (!std::isnan(c.modulus)) EXPECT_NEAR(fibre_modulus(fibres, 0), c.modulus, 1e-12) << c.solid;
+  }
+  // two families in the plane of the first two axes; what is spread of them pulls as much in all directions
+  const auto families = [&](const char* type, double kappa) {
+    return read(
+               feb("4.0",
+                   fmt::format(
+                       R"(<Material><material id="1" name="a" type="{}"><c>1</c><k1>9</k1><k2>2</k2><kappa>{}</kappa><gamma>30</gamma><k>50</k></material></Material>)",
+                       type, kappa)))
+        .materials[0]
+        .fibres.at(0);
+  };
+  const Fibres flat = families("HGO unconstrained", 0.1);
+  const Vector3d a(std::cos(std::acos(-1.0) / 6), 0.5, 0), b(a.x(), -0.5, 0);
+  Matrix6d expected = Matrix6d::Zero();
+  for (const Vector3d& n : {a, b}) {
+    Vector6d h;  // kappa 1 + (1 - 3 kappa) n n
+    h << 0.7 * n.x() * n.x() + 0.1, 0.7 * n.y() * n.y() + 0.1, 0.1, 0.7 * n.x() * n.y(), 0, 0;
+    expected += 4 * 9 * h * h.transpose();
+  }
+  ASSERT_TRUE(flat.spread);
+  EXPECT_LT((fibre_modulus(flat, 0) * *flat.spread - expected).norm(), 1e-10);
+  const Fibres dev = families("Holzapfel-Gasser-Ogden", 0.1);
+  EXPECT_LT((fibre_modulus(dev, 0) * *dev.spread - deviatoric_stiffness(expected)).norm(), 1e-10);
+  EXPECT_EQ(families("HGO unconstrained", 1.0 / 3).law, Fibres::Law::Unknown);
+}
+
+/// Directions of each element, by the name of a map and by the place in a mixture.
+TEST_F(ReadFeb, DirectionsOfElementsByName) {
+  const JointModel m = read(model_and(
+      R"(<Material><material id="9" name="m" type="solid mixture"><solid type="neo-Hookean"><E>1</E><v>0</v></solid><solid type="fiber-NH"><mu>3</mu><fiber type="map">ring</fiber></solid><solid type="fiber-NH"><mu>3</mu><fiber type="user"/></solid></material></Material>
+<MeshDomains><SolidDomain name="L" mat="m"/></MeshDomains>
+<MeshData><ElementData name="ring" elem_set="L" data_type="vec3"><e lid="1">0,3,4</e></ElementData>
+<ElementData name="other" elem_set="L" data_type="vec3"><e lid="1">1,0,0</e></ElementData>
+<ElementData type="solid[2].fiber" elem_set="L"><e lid="1">0,0,5</e></ElementData></MeshData>)"));
+  const Domain& layer =
+      *std::find_if(m.domains.begin(), m.domains.end(), [](const Domain& d) { return d.name == "L"; });
+  ASSERT_EQ(layer.fibre.size(), 2u);
+  EXPECT_LT((layer.fibre.at("solid[1]")[0] - Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_LT((layer.fibre.at("solid[2]")[0] - Vector3d::UnitZ()).norm(), 1e-15);
 }
 
 // What has no place in E and nu is listed, with its line.
@@ -934,14 +1072,16 @@ TEST_F(ReadFeb, ParametersThatNobodyKnowsAreListedOnce) {
   EXPECT_TRUE(fibrous.fibres[0].deviatoric);
   EXPECT_EQ(fibrous.fibres[0].direction.by, Direction::By::Nodes);
   EXPECT_EQ(fibrous.fibres[0].direction.nodes, (std::array<int, 2>{0, 4}));
-  EXPECT_EQ(fibrous.axes.by, Axes::By::Vectors);
-  EXPECT_EQ(fibrous.axes.a, Vector3d(0, 0, 2));
-  ASSERT_TRUE(material("o").stiffness);
-  EXPECT_NEAR(1 / material("o").stiffness->inverse()(0, 0), 140, 1e-9);
+  ASSERT_EQ(fibrous.fibres[0].axes.size(), 1u);
+  EXPECT_EQ(fibrous.fibres[0].axes[0].by, Axes::By::Vectors);
+  EXPECT_EQ(fibrous.fibres[0].axes[0].a, Vector3d(0, 0, 2));
+  ASSERT_EQ(material("o").stiffness.size(), 2u);  // that in axes, and what is isotropic of it
+  EXPECT_NEAR(1 / material("o").stiffness[0].D.inverse()(0, 0), 140, 1e-9);
+  EXPECT_EQ(material("o").stiffness[1].D.norm(), 0);
   const Domain& layer =
       *std::find_if(along.domains.begin(), along.domains.end(), [](const Domain& d) { return d.name == "L"; });
   ASSERT_EQ(layer.fibre.size(), 1u);
-  EXPECT_LT((layer.fibre[0] - Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_LT((layer.fibre.at("")[0] - Vector3d(0, 0.6, 0.8)).norm(), 1e-15);
   ASSERT_EQ(layer.axes.size(), 1u);
   EXPECT_EQ(layer.axes[0].col(0), Vector3d(0, 1, 0));
   // a modulus per element: the one of the material would be wrong without a word

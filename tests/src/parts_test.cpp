@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -402,16 +403,16 @@ TEST(Parts, FibresStiffenAlongThemselves) {
          }),
          along);
   expect(force([](Material& m, Domain&) {
-           m.axes = {Axes::By::Vectors, Vector3d::UnitZ(), Vector3d::UnitX(), {0, 1, 3}};
+           m.fibres[0].axes = {{Axes::By::Vectors, Vector3d::UnitZ(), Vector3d::UnitX(), {0, 1, 3}}};
          }),
          along);
   expect(force([](Material& m, Domain&) {
-           m.axes = {Axes::By::Nodes, Vector3d::UnitX(), Vector3d::UnitY(), {0, 4, 1}};
+           m.fibres[0].axes = {{Axes::By::Nodes, Vector3d::UnitX(), Vector3d::UnitY(), {0, 4, 1}}};
          }),
          along);
   const auto per_element = [](Material& m, Domain& of) {
     m.fibres[0].direction.by = Direction::By::Unknown;  // the elements' own count
-    of.fibre.assign(of.element_ids.size(), Vector3d::UnitZ());
+    of.fibre[""].assign(of.element_ids.size(), Vector3d::UnitZ());
   };
   expect(force(per_element), along);
   expect(force([](Material& m, Domain& of) {
@@ -422,9 +423,85 @@ TEST(Parts, FibresStiffenAlongThemselves) {
   Settings drawn;
   drawn.fibre_strain = 0.06;
   expect(force(per_element, drawn), E + 100);
+  const Axes to_z{Axes::By::Vectors, Vector3d::UnitZ(), Vector3d::UnitX()},  // axes y, z, x: twice is z, x, y
+      y_z_x{Axes::By::Vectors, Vector3d::UnitY(), Vector3d::UnitZ()};
+  expect(force([&](Material& m, Domain&) { m.fibres[0].axes = {y_z_x, y_z_x}; }), along);
+  expect(force([&](Material& m, Domain& of) {  // those of an element take the place of the first
+           m.fibres[0].axes = {to_z, y_z_x};
+           of.axes.assign(of.element_ids.size(), *axes_from(y_z_x.a, y_z_x.d));
+         }),
+         along);
+  expect(force([](Material& m, Domain&) {  // from a centre far below
+           m.fibres[0].direction.by = Direction::By::Spherical;
+           m.fibres[0].direction.center = Vector3d(3, 3, -1e9);
+         }),
+         along);
+  expect(force([](Material& m, Domain& of) {  // data of other fibres of a mixture
+           m.fibres.push_back(m.fibres[0]);
+           m.fibres[1].path = "solid[1]";
+           of.fibre["solid[1]"].assign(of.element_ids.size(), Vector3d::UnitZ());
+         }),
+         along);
   const auto unknown = force([](Material& m, Domain&) { m.fibres[0].direction.by = Direction::By::Unknown; });
   EXPECT_NEAR(unknown.first, E, 1e-5);
   EXPECT_EQ(unknown.second, 1) << "told as left out";
+}
+
+/// A stiffness that no E and nu tell: the force of a disc that may widen is that of its modulus along the load, and it
+/// widens by its two Poisson's ratios. Fung's without change of volume have their own K: on paper, by the compliance.
+TEST(Parts, StiffnessInAxes) {
+  const double d = 0.02;
+  const Matrix6d own = *orthotropic_stiffness({140, 20, 30}, {50, 11, 60}, {0.4, 0.3, 0.1}),
+                 fung = deviatoric_stiffness(own) + lame_stiffness(0, 90);
+  for (const bool uncoupled : {false, true}) {
+    JointModel model = block_between_plates(1, 0.0, d).model;
+    Material& m = model.materials[at(model.domains[0].material)];
+    m.E = m.nu = kNaN;
+    const Axes second_up{Axes::By::Vectors, Vector3d::UnitX(), Vector3d::UnitZ()};  // 1, 2, 3: x, z, -y
+    m.stiffness = {{uncoupled ? deviatoric_stiffness(own) : own, {second_up}}};
+    if (uncoupled) m.stiffness.push_back({lame_stiffness(0, 90), {}});
+    const Solved s = solve(model);
+    EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    const Matrix6d compliance = (uncoupled ? fung : own).inverse();
+    const double F = 36 * d / 3 / compliance(1, 1);
+    EXPECT_NEAR(std::abs(s.e.contact_on_target[0][2]), F, 1e-6 * F);
+    if (!uncoupled) EXPECT_NEAR(1 / compliance(1, 1), 20, 1e-9);
+    const int side = s.joint.contacts[0].layers[s.joint.contacts[0].source].part >= 0 ? 0 : 1;
+    const Eigen::MatrixX3d& u = s.e.springs[0].part_motion[side];
+    const double wider = -compliance(0, 1) / compliance(1, 1) * d / 3,
+                 thicker = -compliance(2, 1) / compliance(1, 1) * d / 3;
+    for (int i = 0; i < u.rows(); ++i) {
+      const Vector3d x = s.joint.parts[0].mesh.nodes[at(i)] - Vector3d(3, 3, 1.5);
+      EXPECT_LT((u.row(i).transpose() - Vector3d(wider * x[0], thicker * x[1], -d / 3 * x[2])).norm(), 1e-7);
+    }
+  }
+}
+
+/// A disc with fluid in it: free to widen it has E of its solid, at once 3 G (less 0.07% for nu is 0.499); between
+/// walls it would have the aggregate modulus of these.
+TEST(Parts, OfAFluidFilledSolid) {
+  const double E = 0.5, nu = 0.1, d = 0.02, G = E / (2 * (1 + nu));
+  for (const bool instant : {false, true}) {
+    JointModel model = block_between_plates(E, nu, d).model;
+    Material& m = model.materials[at(model.domains[0].material)];
+    m.fluid = true;
+    m.type = "biphasic/neo-Hookean";
+    Settings settings;
+    settings.instant = instant;
+    const double modulus = instant ? 2 * G * 1.499 : E, ratio = instant ? 0.499 : nu;
+    const Solved s = solve(model, settings);
+    EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+    EXPECT_NEAR(std::abs(s.e.contact_on_target[0][2]), 36 * modulus * d / 3, 1e-5 * 36 * modulus * d / 3);
+    const double aggregate = modulus * (1 - ratio) / ((1 + ratio) * (1 - 2 * ratio));
+    EXPECT_NEAR(s.joint.parts[0].mesh.elastic[0](2, 2), aggregate, 1e-9 * aggregate);
+    const auto told = std::find_if(s.joint.findings.begin(), s.joint.findings.end(),
+                                   [](const Finding& f) { return f.code == "part-fluid"; });
+    ASSERT_NE(told, s.joint.findings.end());
+    EXPECT_EQ(told->form, instant ? 1 : 0);
+    EXPECT_EQ(told->values[2], (NamedValue{"type", "biphasic"}));
+    EXPECT_NEAR(std::get<double>(told->values[3].value.is), E / (3 * (1 - 2 * nu)), 1e-12);
+    EXPECT_NEAR(std::get<double>(told->values[4].value.is), 2 * G * 1.499 / (3 * 0.002), 1e-9);
+  }
 }
 
 /// Where nothing presses a part at first, and then something does.
