@@ -9,7 +9,6 @@
 #include "src/facts/bodies.h"
 #include "src/facts/holders.h"
 #include "src/facts/node_holds.h"
-#include "src/facts/soft_regions.h"
 #include "src/model/element_faces.h"
 #include "src/model/joint_model.h"
 #include "src/model/settings.h"
@@ -21,6 +20,20 @@ struct ElementFace {
   int domain, element, face;
 };
 using FaceMap = std::unordered_map<FaceKey, std::vector<ElementFace>, FaceKeyHash>;
+
+/// A deformable region that gives way as its elements do.
+struct SoftRegion {
+  int region = -1;       ///< its root node; beyond all nodes: it shares nodes with a layer
+  int within = -1;       ///< the root node of both
+  std::string material;  ///< that most of its elements have
+  std::string name;   ///< the material's; of several parts of one material that of the elements, or another of its own
+  int body = -1;      ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
+  int other = -1;     ///< a second body that holds it, -1: none
+  bool free = false;  ///< nothing holds it
+  double volume = 0.0;                 ///< of a free one
+  Vector3d center = Vector3d::Zero();  ///< of a free one: of its volume
+  int form = 0;                        ///< how it was told: of the rule `part-recognised`
+};
 
 /// Everything that recognition looks up again and again. Model and settings must outlive it.
 struct ModelParts {
@@ -39,9 +52,6 @@ struct ModelParts {
   Findings findings;             ///< what was concluded
   std::vector<Fault> faults;     ///< nodes that are moved otherwise than a bone can be
 };
-
-/// Throws UsageError for a material to be taken as rigid that is none.
-ModelParts find_parts(const JointModel& model, const Settings& settings);
 
 /// Cartilage: of a deformable material, or rigid with its bone under a contact that knows its modulus.
 bool deformable(const ModelParts& parts, const Domain& domain);

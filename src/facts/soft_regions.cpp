@@ -10,7 +10,6 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/facts/parts.h"
 #include "src/geometry/thickness.h"
 #include "src/model/element_faces.h"
 

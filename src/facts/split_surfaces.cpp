@@ -7,7 +7,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/facts/parts.h"
+#include "src/facts/find_parts.h"
 
 namespace dea {
 

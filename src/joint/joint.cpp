@@ -12,7 +12,7 @@
 #include "src/base/names.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
-#include "src/facts/parts.h"
+#include "src/facts/find_parts.h"
 #include "src/facts/symmetry_planes.h"
 #include "src/joint/given_values.h"
 #include "src/model/sound_mesh.h"

@@ -465,7 +465,9 @@ TEST(Parts, StiffnessInAxes) {
     const Matrix6d compliance = (uncoupled ? fung : own).inverse();
     const double F = 36 * d / 3 / compliance(1, 1);
     EXPECT_NEAR(std::abs(s.e.contact_on_target[0][2]), F, 1e-6 * F);
-    if (!uncoupled) EXPECT_NEAR(1 / compliance(1, 1), 20, 1e-9);
+    if (!uncoupled) {
+      EXPECT_NEAR(1 / compliance(1, 1), 20, 1e-9);
+    }
     const int side = s.joint.contacts[0].layers[s.joint.contacts[0].source].part >= 0 ? 0 : 1;
     const Eigen::MatrixX3d& u = s.e.springs[0].part_motion[side];
     const double wider = -compliance(0, 1) / compliance(1, 1) * d / 3,
