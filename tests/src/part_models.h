@@ -87,7 +87,7 @@ inline Solved solve(const JointModel& model, const Settings& settings = {}) {
 /// How a part's nodes have moved in space, nodes x 3.
 inline Eigen::MatrixX3d moved(const Solved& s, int part) {
   const SoftPart& of = s.joint.parts[at(part)];
-  const Pose &pose = s.e.poses[at(of.body)], &start = reference_poses(s.joint)[at(of.body)];
+  const Pose pose = s.e.poses[at(of.body)], start = reference_poses(s.joint)[at(of.body)];
   Eigen::MatrixX3d u = *part_motion(s.joint, s.e, part);
   for (int i = 0; i < of.mesh.size(); ++i) {
     const Vector3d x = of.mesh.nodes[at(i)], in_frame = x + u.row(i).transpose() - start.center;

@@ -120,7 +120,7 @@ RingPressed by_dea(const Ring& in, int around, int m, int through, double facet)
       }
   JointModel model = empty_model();
   add_mesh(model, ring, "ring", in.E, in.nu);
-  model.materials[0].stiffness = {{in.stiffness(), {}}};
+  model.materials[0].stiffness = {{in.stiffness(), {Axes{}}}};
   model.domains[0].axes = axes;
   const auto side = [&](const std::string& name, double zeta, double up) {
     const auto on = [&](const Vector3d& x) {
