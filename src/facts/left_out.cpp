@@ -72,22 +72,32 @@ Finding leave_out_one(JointModel& model, const std::string& name) {
   }
   Marks went(model.nodes.size(), 0), gone = went;
   const int elements = drop_elements(model, static_cast<int>(of - model.materials.begin()), went, gone);
-  for (Surface& s : model.surfaces) drop_facets(s, went, gone);
+  std::vector<char> emptied;  // per surface
+  for (Surface& s : model.surfaces) {
+    const bool had = s.size() > 0;
+    drop_facets(s, went, gone);
+    emptied.push_back(had && s.size() == 0);
+  }
   std::vector<std::string> contacts;
   std::erase_if(model.contacts, [&](const Contact& c) {
-    const bool out = (c.primary >= 0 && model.surfaces[at(c.primary)].size() == 0) ||
-                     (c.secondary >= 0 && model.surfaces[at(c.secondary)].size() == 0);
+    const bool out =
+        (c.primary >= 0 && emptied[at(c.primary)] != 0) || (c.secondary >= 0 && emptied[at(c.secondary)] != 0);
     if (out) contacts.push_back(c.name);
     return out;
   });
   const int springs = drop_springs(model, gone);
   drop_nodes(model.fixed_nodes, gone);
   drop_nodes(model.prescribed_nodes, gone);
+  const std::size_t forces = model.nodal_forces.size();
   drop_nodes(model.nodal_forces, gone);
   drop_nodes(model.rigid_nodes, gone);
   return {"left-out",
           {},
-          {{"material", name}, {"elements", elements}, {"springs", springs}, {"contacts", contacts}},
+          {{"material", name},
+           {"elements", elements},
+           {"springs", springs},
+           {"forces", forces - model.nodal_forces.size()},
+           {"contacts", contacts}},
           contacts.empty() ? 0 : 1};
 }
 

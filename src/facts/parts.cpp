@@ -7,11 +7,10 @@
 namespace dea {
 
 int region_of(const ModelParts& parts, const Domain& d, int element) {
-  const int n = nodes_per_element(d.shape);
-  const int* nodes = d.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;
-  int region = parts.region[at(nodes[0])];
-  for (int k = 1; k < n && parts.split; ++k) region = std::max(region, parts.region[at(nodes[k])]);
-  return region;
+  const int region = parts.region[at(d.nodes[at(element * nodes_per_element(d.shape))])];
+  if (parts.beside.empty()) return region;
+  const auto part = parts.beside.find({region, d.material});
+  return part == parts.beside.end() ? region : part->second;
 }
 
 int soft_region(const ModelParts& parts, int region) {

@@ -1,7 +1,9 @@
 // src/facts/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
 #pragma once
+#include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "src/base/fault.h"
@@ -43,8 +45,9 @@ struct ModelParts {
   std::vector<char> layer_domains;  ///< per domain: cartilage of a rigid material (contacts of type "dea")
   Bodies bodies;
   std::vector<int> region;  ///< per node: root node of its deformable part, -1: in no deformable solid element
-  bool split = false;       ///< a part shares nodes with a layer: those count to the layer (region_of)
-  FaceMap faces;            ///< element faces all of whose corners are nodes of a contact surface
+  /// By root and material, the region of a part that shares nodes with a layer: these count to the layer.
+  std::map<std::pair<int, int>, int> beside;
+  FaceMap faces;  ///< element faces all of whose corners are nodes of a contact surface
   NodeHolds node_holds;
   std::vector<int> moved;  ///< per node: body of nodes that are moved together, -1: none
   Holders holders;

@@ -327,6 +327,7 @@ int split_off(ModelParts& parts, int root, const std::set<int>& materials, std::
   }
   for (const int node : own)
     if (others.count(node) == 0) parts.region[at(node)] = region;
+  for (const int material : materials) parts.beside[{root, material}] = region;
   return region;
 }
 
@@ -373,8 +374,13 @@ void find_soft_regions(ModelParts& parts) {
           return a_in != b_in ? b_in : a.second < b.second;
         });
     soft.material = parts.model.materials[at(main->first)].name;
+    soft.within = root;
+    const bool own_hold = !beside.empty() && held_by_itself(parts, root, beside);
+    if (own_hold) soft.region = split_off(parts, root, beside, parts.soft.size());
     if (holds) {
-      const auto by = most_holders(of.nodes, parts.holders);
+      std::set<int> own = of.nodes;
+      std::erase_if(own, [&](int node) { return parts.region[at(node)] != soft.region; });
+      const auto by = most_holders(own, parts.holders);
       soft.body = by[0];
       soft.other = by[1];
     } else {
@@ -382,9 +388,6 @@ void find_soft_regions(ModelParts& parts) {
       soft.volume = of.volume;
       soft.center = of.volume > 0 ? Vector3d(of.sum / of.volume) : Vector3d::Zero();
     }
-    soft.within = root;
-    const bool own_hold = !beside.empty() && held_by_itself(parts, root, beside);
-    if (own_hold) soft.region = split_off(parts, root, beside, parts.soft.size());
     soft.form = named ? 0 : alone ? 1 : hangs ? 2 : own_hold ? 3 : 4;
     parts.soft.push_back(std::move(soft));
   }
@@ -392,7 +395,6 @@ void find_soft_regions(ModelParts& parts) {
   if (parts.bodies.ground() != ground) follow_ground(parts, ground, region);
   for (const SoftRegion& soft : parts.soft)
     if (soft.region != soft.within) {
-      parts.split = true;
       parts.holders.of_region[soft.region] = parts.holders.of_region[soft.within];
     }
 }

@@ -71,9 +71,7 @@ Findings split_surfaces(JointModel& model, const Settings& settings) {
       const std::size_t contacts = model.contacts.size();
       for (std::size_t c = 0; c < contacts; ++c) {
         Contact other = model.contacts[c];
-        if (other.kind != Contact::Kind::Sliding ||
-            (other.primary != split.surface && other.secondary != split.surface))
-          continue;
+        if (other.primary != split.surface && other.secondary != split.surface) continue;
         if (other.primary == split.surface) other.primary = index;
         if (other.secondary == split.surface) other.secondary = index;
         other.name = take_free_name(other.name + ": " + part, contact_names);

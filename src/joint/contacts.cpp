@@ -165,8 +165,10 @@ void add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found
   if (parts_press && pair.law != Law::Layer) throw needs_layer_law(model, pair);
   for (int side = 0; side < 2; ++side)  // a shell surface has two sides
     add_once(found.findings, face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]));
-  const SurfaceMesh whole[2] = {pair.layers[0].articular, pair.layers[1].articular};
-  for (int side = 0; side < 2; ++side) leave_out_far_side(parts, pair.facets, whole[1 - side], pair.layers[side]);
+  if (parts_press) {
+    const SurfaceMesh whole[2] = {pair.layers[0].articular, pair.layers[1].articular};
+    for (int side = 0; side < 2; ++side) leave_out_far_side(parts, pair.facets, whole[1 - side], pair.layers[side]);
+  }
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   refuse_too_thin(model, c, pair);

@@ -66,7 +66,8 @@ std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e
   else if (direction.by == Direction::By::Nodes)
     v = (e.at_node(model, direction.nodes[1]) - e.at_node(model, direction.nodes[0])).normalized();
   else if (direction.by == Direction::By::Element)
-    v = e.domain.axes.empty() ? std::nullopt : std::optional<Vector3d>(Vector3d::UnitX());
+    v = e.domain.axes.empty() || e.domain.axes[e.place].isZero(0) ? std::nullopt
+                                                                  : std::optional<Vector3d>(Vector3d::UnitX());
   else
     v = direction_at(direction, e.middle(model));
   if (!Q || !v || !(v->norm() > 0.5)) return std::nullopt;  // NaN, too
@@ -109,14 +110,22 @@ Matrix6d elastic_of(const ModelParts& parts, const RegionElement& e, const Mater
   return D;
 }
 
+/// Does a surface lie on a region?
+bool lies_on(const ModelParts& parts, const Surface& s, int region) {
+  for (int f = 0; f < s.size(); ++f)
+    if (const ElementFace* face = carrier(parts, find_face(parts, s, f));
+        face != nullptr && deformable(parts, parts.model.domains[at(face->domain)]))
+      return region_of(parts, parts.model.domains[at(face->domain)], face->element) == region;
+  return false;
+}
+
 /// What the user gives by the names of the part's surfaces: one value. Throws UsageError.
 std::optional<double> given_of(const ModelParts& parts, const SoftRegion& soft, const char* setting,
                                const std::map<std::string, double>& given) {
   std::optional<double> of_part;
   for (const auto& entry : given) {
-    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(), [&](const Surface& s) {
-          return s.name == entry.first && !s.nodes.empty() && parts.region[at(s.nodes.front())] == soft.region;
-        }))
+    if (std::none_of(parts.model.surfaces.begin(), parts.model.surfaces.end(),
+                     [&](const Surface& s) { return s.name == entry.first && lies_on(parts, s, soft.region); }))
       continue;
     if (of_part && *of_part != entry.second)
       throw UsageError(Fault{.given = NamedSetting{setting, entry.first, fmt::format("{:g}", entry.second)},
@@ -187,6 +196,11 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
     const Domain& d = e.domain;
     const Material material = with_given(model.materials[at(d.material)], E, nu);
+    if (nu && !E && !material.stiffness.empty())
+      throw UsageError(Fault{.given = NamedSetting{"nu", "", fmt::format("{:g}", *nu)},
+                             .found = say("material \"{}\" of part \"{}\" has another stiffness in each of its axes;",
+                                          material.name, part.name),
+                             .expected = say("give {} with it", NamedSetting{"E"})});
     if (!has_stiffness(d.shape))
       throw fault_at(
           model, material.origin,
@@ -243,10 +257,11 @@ Findings fibre_findings(const ModelParts& parts, std::size_t region) {
 Findings fluid_findings(const ModelParts& parts, std::size_t region) {
   const JointModel& model = parts.model;
   const SoftRegion& soft = parts.soft[region];
+  const auto E = given_of(parts, soft, "E", parts.settings.E), nu = given_of(parts, soft, "nu", parts.settings.nu);
   std::map<int, bool> told;
   Findings findings;
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
-    const Material& m = model.materials[at(e.domain.material)];
+    const Material m = with_given(model.materials[at(e.domain.material)], E, nu);
     if (!m.fluid || std::exchange(told[e.domain.material], true)) return;
     const Matrix6d drained = matrix_of(model, e, m, soft.name);
     const double K = drained.topLeftCorner<3, 3>().sum() / 9,

@@ -453,11 +453,11 @@ std::vector<Rule> all_rules() {
            {{N, "material \"{material}\" is taken as rigid ({given})"}}),
       told("left-out", "Nothing: you asked for it.",
            {{N,
-             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} on "
-             "them"},
+             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} and "
+             "{forces} nodal {forces?force|forces} on them"},
             {W,
-             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} on "
-             "them and {contacts?contact|contacts} {contacts}"}}),
+             "{elements} elements of material \"{material}\" are left out, with {springs} {springs?spring|springs} and "
+             "{forces} nodal {forces?force|forces} on them, and {contacts?contact|contacts} {contacts}"}}),
       told("surface-divided", "Nothing. Give the part a surface of its own to name both yourself.",
            {{N,
              "surface \"{surface}\" lies on part \"{part}\" with {facets} of its {all} facets: these are taken as "
