@@ -57,6 +57,7 @@ FILES = {
     "hip.xplt": FEBIO, "own.xplt": FEBIO, "fea.xplt": FEBIO, "hip_walking_febio.xplt": FEBIO,
     "knee.feb": "samples/knee/knee.feb",
     "chain.feb": "samples/chain/chain.feb",
+    "menisci.feb": "samples/menisci/menisci.feb",
     "plateaus.feb": "samples/plateaus/plateaus.feb",
     "ligament.feb": "samples/ligament/ligament.feb",
     "sphere_on_flat.feb": "samples/sphere_on_flat/sphere_on_flat.feb",
