@@ -81,7 +81,7 @@ Matrix6d matrix_of(const JointModel& model, const RegionElement& e, const Materi
                    say("give the part a material with a stiffness, or take it as rigid with {}",
                        NamedSetting{"rigid", "", m.name}));
   };
-  if (m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
+  if (m.stiffness.empty() && m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
   if (m.stiffness.empty()) refuse(m.note.empty() ? "neither E and nu nor another stiffness is known of it" : m.note);
   Matrix6d D = Matrix6d::Zero();
   for (const StiffnessInAxes& of : m.stiffness) {
