@@ -33,7 +33,7 @@ inline std::string argument(Sentence& words, const Sentence& part) {
 }
 inline std::string argument(Sentence& words, const NamedSetting& setting) {
   words.settings.push_back(setting);
-  return "{" + std::to_string(words.settings.size() - 1) + "}";
+  return fmt::format("{{{}}}", words.settings.size() - 1);
 }
 inline std::string argument(Sentence&, const std::string& text) { return Sentence(text).text; }
 inline std::string argument(Sentence&, const char* text) { return Sentence(text).text; }

@@ -35,7 +35,10 @@ void judge_springs(Equilibrium& result) {
   for (const SpringStates& s : result.springs) {
     if (s.complementary || !solved(result.outcome)) continue;
     result.outcome = Outcome::NotConverged;
-    result.message = fmt::format("the layers' pressures are known to {:.1e} only", s.complementarity);
+    const bool parts = s.part_motion[0].size() > 0 || s.part_motion[1].size() > 0;
+    result.message =
+        parts ? fmt::format("parts do not settle: the pressures on them still change by {:.1e}", s.complementarity)
+              : fmt::format("the layers' pressures are known to {:.1e} only", s.complementarity);
   }
   if (beyond > 0 && solved(result.outcome)) {
     result.outcome = Outcome::BeyondStrainLimit;

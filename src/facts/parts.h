@@ -32,8 +32,6 @@ struct SoftRegion {
   int body = -1;      ///< index into Bodies::bodies: what holds it; where nothing does, a body of its own
   int other = -1;     ///< a second body that holds it, -1: none
   bool free = false;  ///< nothing holds it
-  double volume = 0.0;                 ///< of a free one
-  Vector3d center = Vector3d::Zero();  ///< of a free one: of its volume
   int form = 0;                        ///< how it was told: of the rule `part-recognised`
 };
 

@@ -69,6 +69,27 @@ struct PressedOutline {
   }
 };
 
+/// Calls `use(region, face)` for each face of an element all of whose nodes bodies hold, in regions that are `wanted`.
+template <class Wanted, class Use>
+void for_each_held_face(const ModelParts& parts, const Wanted& wanted, const Use& use) {
+  const auto held = [&parts](int node) { return !parts.holders.of_node[at(node)].empty(); };
+  std::vector<int> face;
+  for (const Domain& d : parts.model.domains) {
+    if (!soft_solid(parts, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      const int region = parts.region[at(nodes[0])];
+      if (!wanted(region) || std::count_if(nodes, nodes + n, held) < 3) continue;
+      for (const std::vector<int>& local : element_faces(d.shape)) {
+        face.clear();
+        for (const int k : local) face.push_back(nodes[k]);
+        if (std::all_of(face.begin(), face.end(), held)) use(region, face);
+      }
+    }
+  }
+}
+
 std::map<int, PressedOutline> outlines(const ModelParts& parts) {
   const JointModel& model = parts.model;
   std::map<int, PressedOutline> all;
@@ -98,25 +119,18 @@ std::map<int, PressedOutline> outlines(const ModelParts& parts) {
         outline.pressed[outline.octant(model.nodes[at(facet.front())])] += area_vector(facet, model.nodes);
       }
     }
-  const auto& holders = parts.holders.of_node;
-  for (const Domain& d : model.domains) {
-    if (!soft_solid(parts, d)) continue;
-    const int n = nodes_per_element(d.shape);
-    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
-      const int* nodes = d.nodes.data() + e * at(n);
-      PressedOutline* outline = of[at(parts.region[at(nodes[0])])];
-      if (outline == nullptr) continue;
-      if (outline->materials.count(d.material) == 0) outline->materials.insert(d.material);
-      if (std::count_if(nodes, nodes + n, [&](int node) { return !holders[at(node)].empty(); }) < 3) continue;
-      for (const std::vector<int>& local : element_faces(d.shape)) {  // those between two elements cancel
-        std::vector<int> face;
-        for (const int k : local) face.push_back(nodes[k]);
-        if (std::all_of(face.begin(), face.end(), [&](int node) { return !holders[at(node)].empty(); }))
-          outline->held[outline->octant(model.nodes[at(*std::min_element(face.begin(), face.end()))])] +=
-              area_vector(face, model.nodes);
-      }
-    }
-  }
+  for (const Domain& d : model.domains)
+    for (std::size_t e = 0; soft_solid(parts, d) && e < d.element_ids.size(); ++e)
+      if (PressedOutline* outline = of[at(parts.region[at(d.nodes[e * at(nodes_per_element(d.shape))])])];
+          outline != nullptr && outline->materials.count(d.material) == 0)
+        outline->materials.insert(d.material);
+  for_each_held_face(
+      parts, [&of](int region) { return of[at(region)] != nullptr; },
+      [&](int region, const std::vector<int>& face) {  // those between two elements cancel
+        PressedOutline& outline = *of[at(region)];
+        outline.held[outline.octant(model.nodes[at(*std::min_element(face.begin(), face.end()))])] +=
+            area_vector(face, model.nodes);
+      });
   return all;
 }
 
@@ -191,23 +205,12 @@ std::map<int, double> bone_behind(const ModelParts& parts, int root, const OnCon
   const JointModel& model = parts.model;
   std::map<FaceKey, std::vector<int>> held;  // faces of one element alone
   std::set<FaceKey> inner;
-  for (const Domain& d : model.domains) {
-    if (!soft_solid(parts, d)) continue;
-    const int n = nodes_per_element(d.shape);
-    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
-      const int* nodes = d.nodes.data() + e * at(n);
-      if (parts.region[at(nodes[0])] != root) continue;
-      for (const std::vector<int>& local : element_faces(d.shape)) {
-        std::vector<int> face;
-        for (const int k : local) face.push_back(nodes[k]);
-        if (!std::all_of(face.begin(), face.end(), [&](int node) { return !parts.holders.of_node[at(node)].empty(); }))
-          continue;
-        const FaceKey key = face_key(face);
-        std::reverse(face.begin(), face.end());  // out of the bone
-        if (!held.emplace(key, face).second) inner.insert(key);
-      }
-    }
-  }
+  for_each_held_face(
+      parts, [root](int region) { return region == root; },
+      [&](int, const std::vector<int>& face) {
+        const std::vector<int> out_of_bone(face.rbegin(), face.rend());
+        if (const FaceKey key = face_key(face); !held.emplace(key, out_of_bone).second) inner.insert(key);
+      });
   FacetList bone;
   for (auto& [key, face] : held)
     if (inner.count(key) == 0) bone.add({face.end() - facet_corners(static_cast<int>(face.size())), face.end()});
@@ -258,7 +261,8 @@ std::array<int, 2> most_holders(const std::set<int>& nodes, const Holders& holde
 }
 
 /// Parts of one material, as both menisci of a knee, have the names of their elements, if these tell them apart.
-void name_apart(ModelParts& parts) {
+/// `regions`: what they are made of; a free part's body is where its volume is.
+void name_apart(ModelParts& parts, const std::map<int, SoftCandidate>& regions) {
   std::vector<std::string> names;
   for (const SoftRegion& part : parts.soft) {
     const bool several = std::count_if(parts.soft.begin(), parts.soft.end(), [&part](const SoftRegion& other) {
@@ -278,8 +282,9 @@ void name_apart(ModelParts& parts) {
     if (part.free) {
       Body own;
       own.name = names[k];
-      own.center_of_mass = part.center;
-      own.mass = part.volume;
+      const SoftCandidate& of = regions.at(part.within);
+      own.center_of_mass = of.volume > 0 ? of.sum / of.volume : of.sum;
+      own.mass = of.volume;
       part.body = add_body(parts.bodies, std::move(own));
       part.name = parts.bodies.bodies[at(part.body)].name;
     } else {
@@ -350,7 +355,8 @@ void find_soft_regions(ModelParts& parts) {
   for (const auto& [root, outline] : outlines(parts))
     if (outline.contacts.size() > 1 || outline.materials.size() > 1 || outline.held_opposite() < 0.6)
       asked.insert(root);
-  for (const auto& [root, of] : candidates(parts, asked)) {
+  const std::map<int, SoftCandidate> regions = candidates(parts, asked);
+  for (const auto& [root, of] : regions) {
     SoftRegion soft;
     soft.region = root;
     const bool named = named_by_user.count(root) > 0;
@@ -377,21 +383,20 @@ void find_soft_regions(ModelParts& parts) {
     soft.within = root;
     const bool own_hold = !beside.empty() && held_by_itself(parts, root, beside);
     if (own_hold) soft.region = split_off(parts, root, beside, parts.soft.size());
+    soft.free = !holds && !in_components;
     if (holds) {
       std::set<int> own = of.nodes;
       std::erase_if(own, [&](int node) { return parts.region[at(node)] != soft.region; });
       const auto by = most_holders(own, parts.holders);
       soft.body = by[0];
       soft.other = by[1];
-    } else {
-      soft.free = true;
-      soft.volume = of.volume;
-      soft.center = of.volume > 0 ? Vector3d(of.sum / of.volume) : Vector3d::Zero();
+    } else if (in_components) {
+      soft.body = ground;
     }
     soft.form = named ? 0 : alone ? 1 : hangs ? 2 : own_hold ? 3 : 4;
     parts.soft.push_back(std::move(soft));
   }
-  name_apart(parts);
+  name_apart(parts, regions);
   if (parts.bodies.ground() != ground) follow_ground(parts, ground, region);
   for (const SoftRegion& soft : parts.soft)
     if (soft.region != soft.within) {

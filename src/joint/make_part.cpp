@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/decompositions.h"
 #include "src/base/numbers.h"
 #include "src/base/say.h"
 #include "src/facts/parts.h"
@@ -78,8 +79,8 @@ std::optional<Vector3d> fibre_in(const JointModel& model, const RegionElement& e
 Matrix6d matrix_of(const JointModel& model, const RegionElement& e, const Material& m, const std::string& part) {
   const auto refuse = [&](const std::string& why) {
     throw fault_at(model, m.origin, say("material \"{}\" of part \"{}\": {};", m.name, part, why),
-                   say("give the part a material with a stiffness, or take it as rigid with {}",
-                       NamedSetting{"rigid", "", m.name}));
+                   say("give {} and {} for one of its surfaces, or take it as rigid with {}", NamedSetting{"E"},
+                       NamedSetting{"nu"}, NamedSetting{"rigid", "", m.name}));
   };
   if (m.stiffness.empty() && m.E > 0 && m.nu > -1 && m.nu < 0.5) return isotropic_stiffness(m.E, m.nu);
   if (m.stiffness.empty()) refuse(m.note.empty() ? "neither E and nu nor another stiffness is known of it" : m.note);
@@ -173,6 +174,38 @@ int holder_of(const ModelParts& parts, const SoftRegion& soft, int node) {
       "hold its nodes by two of them, or fasten it to the third with springs");
 }
 
+/// InputError: what holds the part leaves it a rigid motion, as two nodes do.
+void check_holds(const JointModel& model, const SoftPart& part) {
+  if (part.free()) return;
+  const auto held = [&part](int node, int k) {
+    return part.holder[at(node)] >= 0 || (part.held[at(node)] >> k & 1) != 0;
+  };
+  int nodes = 0;
+  Vector3d middle = Vector3d::Zero();
+  for (int i = 0; i < part.mesh.size(); ++i)
+    if (held(i, 0) || held(i, 1) || held(i, 2)) {
+      middle += part.mesh.nodes[at(i)];
+      ++nodes;
+    }
+  middle /= std::max(1, nodes);
+  const double size = std::max(1e-300, 2 * part.depth);
+  Matrix6d resisted = Matrix6d::Zero();
+  for (int i = 0; i < part.mesh.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (held(i, k)) {
+        Eigen::Matrix<double, 6, 1> motion;
+        motion << Vector3d::Unit(k), ((part.mesh.nodes[at(i)] - middle) / size).cross(Vector3d::Unit(k));
+        resisted += motion * motion.transpose();
+      }
+  const Eigen::VectorXd values = symmetric_eigenvalues(resisted);
+  if (values.minCoeff() > 1e-9 * values.maxCoeff()) return;
+  throw fault_at(model, {0, 0},
+                 say("part \"{}\" is held at {} of its {} nodes, which leave it a motion as a whole;", part.name, nodes,
+                     part.mesh.size()),
+                 say("hold it at three nodes that are not in one line, or take it as rigid with {}",
+                     NamedSetting{"rigid", "", part.material}));
+}
+
 SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
   const JointModel& model = parts.model;
   SoftPart part;
@@ -191,6 +224,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     part.mesh.nodes.push_back(model.nodes[at(node)]);
     box.extend(model.nodes[at(node)]);
     part.holder.push_back(holder_of(parts, soft, node));
+    part.held.push_back(part.holder.back() < 0 ? parts.holders.held_components[at(node)] : 0);
   }
   part.depth = 0.5 * box.sizes().minCoeff();
   for_each_element(parts, soft.region, [&](const RegionElement& e) {
@@ -215,6 +249,7 @@ SoftPart make_part(const ModelParts& parts, const SoftRegion& soft) {
     for (int k = 0; k < e.count; ++k) part.mesh.element_node.push_back(part.node_of(e.nodes[k]));
     part.mesh.begin.push_back(static_cast<int>(part.mesh.element_node.size()));
   });
+  check_holds(model, part);
   return part;
 }
 

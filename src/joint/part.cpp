@@ -17,7 +17,8 @@ int SoftPart::node_of(int model_node) const {
 }
 
 bool SoftPart::free() const {
-  return std::all_of(holder.begin(), holder.end(), [](int body) { return body < 0; });
+  return std::all_of(holder.begin(), holder.end(), [](int body) { return body < 0; }) &&
+         std::all_of(held.begin(), held.end(), [](unsigned char along) { return along == 0; });
 }
 
 }  // namespace dea

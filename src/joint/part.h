@@ -38,6 +38,7 @@ struct SoftPart {
   std::vector<PartElement> elements;  ///< per element of the mesh
   std::vector<int> model_nodes;       ///< per node of the mesh: index of the model's node, ascending
   std::vector<int> holder;            ///< per node: the body that holds it, -1: none
+  std::vector<unsigned char> held;    ///< per node: bit k set, the ground holds it across axis k alone (symmetry)
   double depth = 0.0;                 ///< how deep a partner may stand in it where the search begins [mm]
   bool free() const;                  ///< nothing holds it: `body` is its own
   int node_of(int model_node) const;  ///< number in the mesh of a node of the model, -1: it is none of its

@@ -121,12 +121,20 @@ struct ScaledContact {
   MatrixXd way(const std::vector<char>& asked, const MatrixXd& residual) {
     if (soft.cols() == 0) return near_way(asked, residual);
     look_at(asked);
-    MatrixXd way = residual + soft * (taken.transpose() * (soft.transpose() * (weight.asDiagonal() * residual)));
-    mask(asked, way);
+    MatrixXd way = residual;
+    add_soft(asked, taken.transpose(), way);
     way = near_way(asked, way);
-    way += soft * (taken * (soft.transpose() * (weight.asDiagonal() * way)));
-    mask(asked, way);
+    add_soft(asked, taken, way);
     return way;
+  }
+  /// of += V X V^T W of, of the feet that are `asked`; it is zero at all others.
+  void add_soft(const std::vector<char>& asked, const MatrixXd& X, MatrixXd& of) const {
+    MatrixXd along = MatrixXd::Zero(soft.cols(), of.cols());
+    for (Index i = 0; i < of.rows(); ++i)
+      if (asked[at(i)]) along += soft.row(i).transpose() * (weight[i] * of.row(i));
+    along = X * along;
+    for (Index i = 0; i < of.rows(); ++i)
+      if (asked[at(i)]) of.row(i) += soft.row(i) * along;
   }
   MatrixXd near_way(const std::vector<char>& asked, const MatrixXd& residual) const {
     MatrixXd way = residual;

@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
+#include "src/base/error.h"
 #include "src/base/numbers.h"
+#include "src/base/say.h"
 #include "src/springs/gaps.h"
 
 namespace dea {
@@ -231,7 +234,16 @@ std::shared_ptr<const PartOperator> make_part(const Joint& joint, const SoftPart
   std::vector<PartHold> hold;
   for (const int body : of.holder)
     hold.push_back(body < 0 ? PartHold::None : body == of.body ? PartHold::Frame : PartHold::Other);
-  PartOperator part = make_part_operator(of.mesh, std::move(hold));
+  PartOperator part;
+  try {
+    part = make_part_operator(of.mesh, std::move(hold), of.held);
+  } catch (const std::runtime_error&) {  // what a count of what holds it does not see
+    throw InputError(Fault{
+        .found =
+            say("pieces of part \"{}\" hang together, or on what holds it, by an edge or a corner alone;", of.name),
+        .expected =
+            say("join them by faces, or take the part as rigid with {}", NamedSetting{"rigid", "", of.material})});
+  }
   const std::vector<Eigen::VectorXd> contact = forces_like_contact(joint, of, part.volume),
                                      ties = forces_like_ties(joint, of, part_holds(of, part));
   Nodal forces(3 * of.mesh.size(), static_cast<Eigen::Index>(contact.size() + ties.size()));

@@ -194,14 +194,16 @@ Eigen::Matrix<double, 3, Eigen::Dynamic> at_node(const PartOperator& part, int n
 
 }  // namespace
 
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold) {
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold,
+                                const std::vector<unsigned char>& held_along) {
   PartOperator part;
   part.mesh = std::move(mesh);
   part.hold = std::move(hold);
   const int n = part.mesh.size();
   for (const Matrix6d& D : part.mesh.elastic)
     part.softness = std::max(part.softness, D.inverse().diagonal().head<3>().minCoeff());
-  part.free = std::all_of(part.hold.begin(), part.hold.end(), [](PartHold h) { return h == PartHold::None; });
+  part.free = std::all_of(part.hold.begin(), part.hold.end(), [](PartHold h) { return h == PartHold::None; }) &&
+              std::all_of(held_along.begin(), held_along.end(), [](unsigned char along) { return along == 0; });
   const auto on_other = std::count(part.hold.begin(), part.hold.end(), PartHold::Other);
   for (int i = 0; i < n && on_other > 0; ++i)
     if (part.hold[at(i)] == PartHold::Other) part.center += part.mesh.nodes[at(i)] / static_cast<double>(on_other);
@@ -213,7 +215,9 @@ PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold) {
   if (part.free)
     held = pins(part.mesh);
   else
-    for (int i = 0; i < 3 * n; ++i) held[at(i)] = part.hold[at(i / 3)] != PartHold::None;
+    for (int i = 0; i < 3 * n; ++i)
+      held[at(i)] =
+          part.hold[at(i / 3)] != PartHold::None || (!held_along.empty() && (held_along[at(i / 3)] >> i % 3 & 1) != 0);
   number_unknowns(part, pairs, held);
   const SymmetricPattern pattern = pattern_of(part, pairs);
   std::vector<double> values(at(pattern.entries()), 0.0);

@@ -44,8 +44,9 @@ struct PartOperator {
   Eigen::Matrix<double, 6, 6> S_inverse;  ///< of P3's S; where turning the piece strains nothing, zero
 };
 
-/// Throws std::runtime_error where what holds it leaves it a motion, or a piece of it hangs on nothing.
-PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold);
+/// `held`: per node, bit k set, it stays where it is along axis k; empty: none does. Throws std::runtime_error where what
+/// holds it leaves it a motion, or a piece of it hangs on nothing.
+PartOperator make_part_operator(PartMesh mesh, std::vector<PartHold> hold, const std::vector<unsigned char>& held = {});
 
 /// Sets `soft` by forces on nodes, 3 per node x columns: U = K^-1 F (F^T K^-1 F)^(-1/2).
 void learn_soft(PartOperator& part, const Nodal& forces);

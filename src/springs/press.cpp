@@ -108,7 +108,10 @@ std::vector<SpringStates> press_where_parts_go(const std::vector<PosedBed>& beds
   }
   for (std::size_t b = 0; b < beds.size(); ++b) {
     if (!beds[b].active || parts.empty()) continue;
-    if (!fits) states[b].complementary = false;
+    if (!fits) {
+      states[b].complementary = false;
+      states[b].complementarity = best;
+    }
     for (const bool target : {false, true}) {
       const BedLayer& of = target ? beds[b].bed->layers->target : beds[b].bed->layers->source;
       if (!of.part) continue;

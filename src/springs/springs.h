@@ -115,7 +115,9 @@ struct SpringStates {
   /// the target's current centre of mass, n x 6; takes the place of per_motion, for every pressure depends on all gaps.
   Eigen::MatrixXd rates;
   std::vector<CrossRates> cross;  ///< Law::Layer, of contacts of other bodies that press the same layers
-  double complementarity = 0.0;   ///< Law::Layer: residual of (L4), relative to the largest pressure
+  /// Law::Layer: residual of (L4), relative to the largest pressure; of parts that do not settle, how far pressures
+  /// change from round to round.
+  double complementarity = 0.0;
   bool complementary = true;      ///< Law::Layer: (L4) was solved to its tolerance
   /// Where a side is a part's surface: how its nodes have moved in its frame (nodes x 3); source, target.
   std::array<Eigen::MatrixX3d, 2> part_motion;

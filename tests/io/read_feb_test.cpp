@@ -833,7 +833,9 @@ TEST_F(ReadFeb, LawsOfFibres) {
     ASSERT_EQ(m.materials[0].fibres.size(), 1u) << c.solid;
     const Fibres& fibres = m.materials[0].fibres[0];
     EXPECT_EQ(fibres.law == Fibres::Law::Unknown, std::isnan(c.modulus)) << c.solid;
-    if (!std::isnan(c.modulus)) EXPECT_NEAR(fibre_modulus(fibres, 0), c.modulus, 1e-12) << c.solid;
+    if (!std::isnan(c.modulus)) {
+      EXPECT_NEAR(fibre_modulus(fibres, 0), c.modulus, 1e-12) << c.solid;
+    }
   }
   // two families in the plane of the first two axes; what is spread of them pulls as much in all directions
   const auto families = [&](const char* type, double kappa) {

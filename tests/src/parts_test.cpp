@@ -6,13 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/equilibrium/equilibrium.h"
-#include "src/equilibrium/load_case.h"
-#include "src/joint/joint.h"
 #include "src/springs/press.h"
 #include "tests/analytic/elastic_layer.h"
-#include "tests/src/part_meshes.h"
-#include "tests/src/test_models.h"
+#include "tests/src/part_models.h"
 
 namespace dea::parts_test {
 namespace {
@@ -38,21 +34,6 @@ std::vector<int> facets_at(const PartMesh& mesh, double z, int side, double with
   return quads;
 }
 
-/// Puts a block's mesh, the first nodes of the model, into it.
-void add_block(JointModel& model, const PartMesh& mesh, const std::string& name, double E, double nu) {
-  for (const Vector3d& x : mesh.nodes) {
-    model.nodes.push_back(x);
-    model.node_ids.push_back(static_cast<int>(model.nodes.size()));
-  }
-  Domain d;
-  d.name = name;
-  d.shape = mesh.shape.front();
-  d.material = add_material(model, name, false, E, nu);
-  d.nodes = mesh.element_node;
-  for (int e = 0; e < mesh.elements(); ++e) d.element_ids.push_back(e + 1);
-  model.domains.push_back(d);
-}
-
 /// A block of 6 x 6 x 3 between two rigid plates of which the upper comes down by `depth`.
 struct Pressed {
   JointModel model = empty_model();
@@ -61,7 +42,7 @@ struct Pressed {
 Pressed block_between_plates(double E, double nu, double depth) {
   Pressed in;
   const PartMesh mesh = block_of(ElementShape::Hex8, {6, 6, 3}, {6, 6, 3}, isotropic_stiffness(E, nu));
-  add_block(in.model, mesh, "disc", E, nu);
+  add_mesh(in.model, mesh, "disc", E, nu);
   const int top = add_surface(in.model, "top", facets_at(mesh, 3, 1)),
             bottom = add_surface(in.model, "bottom", facets_at(mesh, 0, -1));
   in.upper = add_material(in.model, "upper", true);
@@ -79,20 +60,6 @@ Pressed block_between_plates(double E, double nu, double depth) {
   fix(in.model, in.upper, {true, true, false, true, true, true});
   prescribe(in.model, in.upper, 2, -depth);
   return in;
-}
-
-struct Solved {
-  Joint joint;
-  SpringBeds beds;
-  Equilibrium e;
-};
-Solved solve(const JointModel& model, const Settings& settings = {}) {
-  Solved s;
-  s.joint = make_joint(model, settings);
-  s.beds = make_spring_beds(s.joint);
-  const std::vector<Pose> start = reference_poses(s.joint);
-  s.e = solve_equilibrium(s.joint, s.beds, make_load_case(model, s.joint, settings, 0, 1.0), start, start);
-  return s;
 }
 
 /// Nothing holds it, contacts press it: a part of its own, with a body of its own. Its force is E A d/h, its pressure
@@ -234,6 +201,37 @@ TEST(Parts, TwoBodiesHoldIt) {
   }
 }
 
+/// Three planes of symmetry hold a part: a quarter of the disc between plates, its lower half. On a hinge it could
+/// turn.
+TEST(Parts, BesidePlanesOfSymmetry) {
+  const double E = 10, d = 0.1;
+  Pressed in = block_between_plates(E, 0.3, d);
+  in.model.contacts.pop_back();
+  for (int axis = 0; axis < 3; ++axis) {
+    FixedNodes plane;
+    plane.xyz[at(axis)] = true;
+    for (int i = 0; i < 7 * 7 * 4; ++i)
+      if (in.model.nodes[at(i)][axis] < 1e-9) plane.nodes.push_back(i);
+    in.model.fixed_nodes.push_back(plane);
+  }
+  Settings settings;
+  settings.part = {"disc"};
+  const Solved s = solve(in.model, settings);
+  ASSERT_EQ(s.joint.parts.size(), 1u);
+  EXPECT_FALSE(s.joint.parts[0].free());
+  EXPECT_EQ(s.e.outcome, Outcome::Balanced) << s.e.message;
+  EXPECT_NEAR(s.e.contact_on_target[0].head<3>().norm(), E * 36 * d / 3, 1e-6 * E * 36 * d / 3);
+  in.model.fixed_nodes.resize(1);
+  in.model.fixed_nodes[0].xyz = {true, true, true};
+  std::erase_if(in.model.fixed_nodes[0].nodes, [&](int node) { return in.model.nodes[at(node)][2] > 1e-9; });
+  try {
+    make_joint(in.model, {});
+    ADD_FAILURE() << "a part on a hinge is taken";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("which leave it a motion as a whole"), std::string::npos) << e.what();
+  }
+}
+
 /// A labrum that shares nodes with the cartilage: a part beside a layer in one region of the model, held by the layer's
 /// bone where they meet, as if all of it were a part and its cartilage did not give way.
 TEST(Parts, BesideALayerInOneRegion) {
@@ -320,7 +318,7 @@ TEST(Parts, SphereOnABlockIsTheExactLayer) {
       for (int k = 0; k < 2; ++k) x[k] *= 0.35 + 0.65 * std::abs(x[k]) / 8;  // finer in the middle
       x[2] *= 0.5 + 0.5 * std::abs(x[2]) / t;
     }
-    add_block(model, mesh, "block", E, nu);
+    add_mesh(model, mesh, "block", E, nu);
     FixedNodes base;
     base.xyz = {true, true, true};
     for (int i = 0; i < mesh.size(); ++i)
