@@ -10,6 +10,7 @@
 
 #include "src/base/disjoint_sets.h"
 #include "src/base/numbers.h"
+#include "src/base/parallel.h"
 #include "src/springs/gaps.h"
 #include "src/springs/place.h"
 
@@ -159,6 +160,20 @@ std::vector<SpringBed> tie_beds(const Joint& joint, const std::vector<SpringBed>
   return ties;
 }
 
+/// Operators of the parts that contacts press, made side by side.
+SharedOperators pressed_parts(const Joint& joint) {
+  std::set<int> pressed;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      if (layer.part >= 0) pressed.insert(layer.part);
+  const std::vector<int> parts(pressed.begin(), pressed.end());
+  std::vector<std::shared_ptr<const PartOperator>> made(parts.size());
+  parallel_for(parts.size(), [&](std::size_t i) { made[i] = make_part(joint, joint.parts[at(parts[i])]); });
+  SharedOperators shared;
+  for (std::size_t i = 0; i < parts.size(); ++i) shared.parts[parts[i]] = made[i];
+  return shared;
+}
+
 }  // namespace
 
 SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
@@ -166,7 +181,7 @@ SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
   beds.least_thickness = kInfinity;
   double area = 0.0, inertia = 0.0;
   beds.reach = 0.0;
-  SharedOperators shared;
+  SharedOperators shared = pressed_parts(joint);
   for (const ContactPair& pair : joint.contacts) {
     end_if_stopped(stop);
     beds.beds.push_back(place_springs(joint, pair, shared));

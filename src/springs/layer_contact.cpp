@@ -151,11 +151,11 @@ struct ScaledContact {
     }
     if (kOther * other <= count) return;
     face = asked;
-    VectorXd on = weight;
-    for (Index i = 0; i < on.size(); ++i)
-      if (!asked[at(i)]) on[i] = 0;
     const Index n = soft.cols();
-    const Nodal scaled = on.cwiseSqrt().asDiagonal() * soft;
+    Nodal scaled(static_cast<Index>(count), n);
+    Index row = 0;
+    for (Index i = 0; i < weight.size(); ++i)
+      if (asked[at(i)]) scaled.row(row++) = std::sqrt(weight[i]) * soft.row(i);
     MatrixXd G = MatrixXd::Zero(n, n);
     G.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
     if (!(G.diagonal().maxCoeff() > 0)) {  // no part is pressed
