@@ -8,6 +8,7 @@
 #include "io/feb/read_feb.h"
 #include "io/files/free_memory.h"
 #include "io/run/spring_memory.h"
+#include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
 #include "src/base/error.h"
@@ -50,6 +51,15 @@ bool changes_joint(const Factor& f, const std::string& value) {
 }
 
 }  // namespace
+
+ReadyCase ready_case(const ReadyJoint& ready, Settings settings, const OutputSettings& asked) {
+  read_tables(ready.model, settings);
+  check_body_names(ready.model, ready.prepared.joint.bodies, settings);
+  Loading loading = check_loading(ready.model, ready.prepared.joint, settings);
+  throw_if_any(loading.faults);
+  States states = wanted_states(ready.model, settings, asked, "");
+  return {std::move(settings), std::move(states), std::move(loading.findings)};
+}
 
 std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, const Settings& settings,
                                                    const StopFlag* stop) {

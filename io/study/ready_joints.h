@@ -9,7 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "io/settings/output_options.h"
 #include "src/run/ready_joint.h"
+#include "src/run/states.h"
 #include "src/study/plan.h"
 
 namespace dea {
@@ -42,6 +44,15 @@ class ReadyJoints {
   std::uint64_t clock_ = 0;
   std::map<std::string, Entry> entries_;  // by path and settings
 };
+
+/// A case of a joint that is ready, as solve_states takes it.
+struct ReadyCase {
+  Settings settings;  ///< with the tables that they name
+  States states;
+  Findings findings;  ///< how the settings were taken
+};
+/// `settings`: of the joint's own. `asked`: its `states`. Throws UsageError, InputError.
+ReadyCase ready_case(const ReadyJoint& ready, Settings settings, const OutputSettings& asked);
 
 /// Cases that share a joint have the same model, and the same values of all factors that change the joint. Several
 /// threads may tell of cases at a time.

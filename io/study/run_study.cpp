@@ -69,28 +69,24 @@ void write_plot(const std::string& path, const ReadyJoint& ready, const SolvedSt
   file.finish();
 }
 
-void solve(Work& work, const PlannedCase& c, Settings settings, CaseResult& result) {
+void solve(Work& work, const PlannedCase& c, const Settings& settings, CaseResult& result) {
   const StudyOptions& options = work.options;
   const std::shared_ptr<const ReadyJoint> ready =
       work.joints.get(work.plan.models[at(c.model)], settings, options.stop);
-  const Joint& joint = ready->prepared.joint;
-  read_tables(ready->model, settings);
-  check_body_names(ready->model, joint.bodies, settings);
-  throw_if_any(check_loading(ready->model, joint, settings).faults);
-  const States states = wanted_states(ready->model, settings, states_asked(options), "");
+  const ReadyCase of = ready_case(*ready, settings, states_asked(options));
   AnalysisOptions solving;
-  solving.times = states.times;
-  solving.keep_state = states.wanted;
+  solving.times = of.states.times;
+  solving.keep_state = of.states.wanted;
   solving.keep_fields = options.keep_fields || !options.plot_folder.empty();
   solving.displacements = !options.plot_folder.empty();
-  if (settings.inside) solving.inside = &ready->inside();
+  if (of.settings.inside) solving.inside = &ready->inside();
   solving.equilibrium.stop = options.stop;
-  if (!is_its_joint(settings))  // else nobody but this case may need it
+  if (!is_its_joint(of.settings))  // else nobody but this case may need it
     solving.known_balance = [&] { return ready->end_of_model(options.stop); };
-  SolvedStates solved_states = solve_states(ready->model, settings, ready->prepared, ready->maps, solving);
+  SolvedStates solved_states = solve_states(ready->model, of.settings, ready->prepared, ready->maps, solving);
   if (!options.plot_folder.empty())
     write_plot((std::filesystem::path(options.plot_folder) / fmt::format("{:06}.xplt", result.number)).string(), *ready,
-               solved_states, settings.inside);
+               solved_states, of.settings.inside);
   add_states(*ready, std::move(solved_states), options.keep_fields, command_line_wording(), result);
 }
 

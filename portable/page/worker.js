@@ -1,15 +1,22 @@
-// One run of the program: files in, lines as they come, files out. State is not reset between runs: a worker is for one.
+// The program in a worker: files in, lines as they come, files out. State is not reset between runs of the command line:
+// a worker is for one. A worker that is `live` is for one joint: it answers as long as it is asked.
 "use strict";
-onmessage = async ({ data: { module, words, files } }) => {
-  const output = [], begin = performance.now();
-  let unfinished = "", why = "";
+let live = null;  // answers a question
+onmessage = async ({ data }) => {
+  if (data.ask !== undefined) live(data);
+  else await begin(data);
+};
+
+async function begin({ module, words, files, live: stays }) {
+  const output = [], start = performance.now();
+  let unfinished = "", why = "", tell = (line) => postMessage({ line });
   // Of standard error: a bar that is written over, and lines.
   function errors(text) {
     const lines = (unfinished + text).split("\n");
     unfinished = lines.pop();
     for (const line of lines) {
       const shown = line.split("\r\x1b[K").pop();
-      if (shown) postMessage({ line: shown });
+      if (shown) tell(shown);
     }
     const bar = unfinished.split("\r\x1b[K");
     if (bar.length < 2) return;
@@ -46,13 +53,31 @@ onmessage = async ({ data: { module, words, files } }) => {
     FS.chdir("/files");
     files.forEach(({ name }, i) => FS.writeFile(name, contents[i], { canOwn: true }));
     contents.length = 0;
+    if (stays) {
+      // `ask`: a number of the asker's own. Answers { ask, code, text, pressure, lines, seconds }; text: of dea.live/1.
+      live = ({ ask, words, quick }) => {
+        const lines = [], asked = performance.now();
+        tell = (line) => lines.push(line);
+        try {
+          const code = dea.ccall("dea_live", "number", ["string", "number"], ["dea\n" + words.map((w) => w + "\n").join(""), quick ? 1 : 0]);
+          const text = dea.ccall("dea_live_text", "string"), answer = text ? JSON.parse(text) : null;
+          const count = answer ? answer.surfaces.reduce((n, s) => Math.max(n, s.begin + s.count), 0) : 0;
+          const at = dea.ccall("dea_live_pressure", "number") >> 2, pressure = dea.HEAPF32.slice(at, at + count);
+          postMessage({ ask, code, text: answer, pressure, lines, seconds: (performance.now() - asked) / 1000 }, [pressure.buffer]);
+        } catch (error) {
+          postMessage({ fault: `${why} ${error && error.message ? error.message : error}`.trim() });
+        }
+      };
+      postMessage({ ready: true });
+      return;
+    }
     const code = dea.callMain(words);
     if (unfinished) postMessage({ line: unfinished });
     const made = [], given = new Set(files.map((f) => f.name));
     for (const name of FS.readdir("/files"))
       if (!given.has(name) && FS.isFile(FS.stat(name).mode)) made.push({ name, blob: new Blob([FS.readFile(name)]) });
-    postMessage({ code, output: output.join("\n"), made, seconds: (performance.now() - begin) / 1000 });
+    postMessage({ code, output: output.join("\n"), made, seconds: (performance.now() - start) / 1000 });
   } catch (error) {
     postMessage({ fault: `${why} ${error && error.message ? error.message : error}`.trim() });
   }
-};
+}

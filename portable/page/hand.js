@@ -1,0 +1,64 @@
+// A joint in the hand: asks as it is moved, and draws nothing that is older than what is drawn.
+//
+// While the hand moves, quick answers follow it; once it rests the exact one is asked, of a worker of its own. Each worker
+// is asked one question at a time, the newest: what the hand has passed by meanwhile is never asked.
+// `send(question)` gets { ask, words, quick }, and `answered` gets each answer once, in whatever order they come;
+// `show(answer, question)` what is to be drawn, with question.here: whether the hand is still there.
+"use strict";
+
+class Hand {
+  constructor(send, show, { rest = 120, wait = (f, ms) => setTimeout(f, ms), end = (timer) => clearTimeout(timer) } = {}) {
+    Object.assign(this, { send, show, rest, wait, end });
+    this.count = 0;    // of questions
+    this.place = 0;    // of the hand: counted
+    this.shown = -1;   // what is drawn: twice its place, and one more where it is exact
+    this.workers = { quick: { asked: null, next: null }, exact: { asked: null, next: null } };
+    this.timer = null;
+  }
+  // The hand is here. `words`: of `dea run`.
+  move(words) {
+    this.go(words);
+    this.timer = this.wait(() => this.settle(words), this.rest);
+  }
+  // The hand is here and rests: a number was typed.
+  set(words) {
+    this.go(words);
+    this.settle(words);
+  }
+  // Is what is drawn exact, and of where the hand is?
+  get settled() { return this.shown === 2 * this.place + 1; }
+
+  go(words) {
+    this.end(this.timer);
+    this.timer = null;
+    ++this.place;
+    this.workers.exact.next = null;
+    this.want("quick", words);
+  }
+  settle(words) {
+    this.timer = null;
+    this.want("exact", words);
+  }
+  want(kind, words) {
+    this.workers[kind].next = { words, quick: kind === "quick", place: this.place };
+    this.ask(this.workers[kind]);
+  }
+  ask(worker) {
+    if (worker.asked || !worker.next) return;
+    worker.asked = { ask: ++this.count, ...worker.next };
+    worker.next = null;
+    const { ask, words, quick } = worker.asked;
+    this.send({ ask, words, quick });
+  }
+  answered(answer) {
+    const worker = Object.values(this.workers).find((w) => w.asked && w.asked.ask === answer.ask);
+    if (!worker) return;
+    const question = worker.asked, what = 2 * question.place + (question.quick ? 0 : 1);
+    worker.asked = null;
+    if (what > this.shown) {
+      this.shown = what;
+      this.show(answer, { ...question, here: question.place === this.place });
+    }
+    this.ask(worker);
+  }
+}

@@ -1,0 +1,98 @@
+#include "views/live/live_joint.h"
+
+#include <memory>
+#include <utility>
+
+#include "src/base/numbers.h"
+#include "src/rules/rules.h"
+#include "views/data/run_json.h"
+
+namespace dea {
+
+namespace {
+
+/// The joint with springs that know nothing of each other; its own where it cannot be without its parts.
+std::shared_ptr<const ReadyJoint> quick_joint(LiveJoint& live, const LiveRequest& request, Settings& settings) {
+  const std::shared_ptr<const ReadyJoint> own = live.joints.get(request.model, settings, nullptr);
+  if (!own->prepared.joint.parts.empty()) return own;
+  settings.law = Law::Linear;
+  return live.joints.get(request.model, settings, nullptr);
+}
+
+Json matrix_json(const Eigen::Matrix3d& m) {
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back(json_vector(m.row(i)));
+  return rows;
+}
+
+Json bodies_json(const Joint& joint, const std::vector<Pose>& poses) {
+  const std::vector<Pose> reference = reference_poses(joint);
+  Json bodies = Json::array();
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    bodies.push_back({{"name", joint.bodies[b].name},
+                      {"rotation", matrix_json(poses[b].rotation * reference[b].rotation.transpose())},
+                      {"reference_center", json_vector(reference[b].center)},
+                      {"center", json_vector(poses[b].center)}});
+  return bodies;
+}
+
+/// Appends the pressures of both sides of every contact.
+Json surfaces_json(const JointModel& model, const Joint& joint, const StateResult& state,
+                   std::vector<float>& pressure) {
+  Json surfaces = Json::array();
+  for (std::size_t c = 0; c < state.fields.size(); ++c)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Layer& layer = joint.contacts[c].layers[side];
+      const SideFields& fields = state.fields[c].sides[side];
+      surfaces.push_back({{"name", model.surfaces[at(layer.surface)].name},
+                          {"contact", joint.contacts[c].name},
+                          {"body", joint.bodies[at(layer.body)].name},
+                          {"springs", fields.springs},
+                          {"begin", pressure.size()},
+                          {"count", fields.pressure.size()}});
+      pressure.insert(pressure.end(), fields.pressure.begin(), fields.pressure.end());
+    }
+  return surfaces;
+}
+
+}  // namespace
+
+LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
+  Settings settings = request.settings;
+  const std::shared_ptr<const ReadyJoint> ready =
+      request.quick ? quick_joint(live, request, settings) : live.joints.get(request.model, settings, nullptr);
+  const Joint& joint = ready->prepared.joint;
+  const bool quick = request.quick && joint.parts.empty();
+  ReadyCase of = ready_case(*ready, settings, request.outputs);
+  AnalysisOptions solving;
+  solving.times = of.states.times;
+  solving.keep_state = of.states.wanted;
+  solving.displacements = false;
+  const std::string key = request.model + joint_key(of.settings);
+  if (quick) {
+    constexpr double kQuick = 1e-3;  // of the load
+    solving.equilibrium.tolerance = kQuick;
+    if (live.quick_joint == key && live.quick_balance) solving.known_balance = [&live] { return &*live.quick_balance; };
+  }
+  const SolvedStates solved_states = solve_states(ready->model, of.settings, ready->prepared, ready->maps, solving);
+  const StateResult& state = solved_states.states.back();
+  if (quick) {
+    live.quick_joint = key;
+    live.quick_balance.reset();
+    if (solved(state.equilibrium.outcome)) live.quick_balance = KnownBalance{state.equilibrium.poses, {}};
+  }
+  LiveAnswer answer;
+  Findings findings = of.findings;
+  add_once(findings, ready->warnings);
+  add_once(findings, warnings(result_findings(ready->model, joint, solved_states)));
+  answer.text = {{"schema", "dea.live/1"},
+                 {"quick", quick},
+                 {"solved", solved(state.equilibrium.outcome)},
+                 {"state", state_json(ready->model, joint, state)},
+                 {"bodies", bodies_json(joint, state.equilibrium.poses)},
+                 {"surfaces", surfaces_json(ready->model, joint, state, answer.pressure)},
+                 {"findings", findings_json(findings)}};
+  return answer;
+}
+
+}  // namespace dea

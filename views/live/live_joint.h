@@ -1,0 +1,46 @@
+// views/live/live_joint.h – a joint in the hand: recognised and factorised once, it answers for poses, loads and
+// cartilage that change from moment to moment.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/settings/output_options.h"
+#include "io/study/ready_joints.h"
+#include "src/model/settings.h"
+#include "views/data/json.h"
+
+namespace dea {
+
+/// A case as `dea run` has it, of which the last state is wanted.
+struct LiveRequest {
+  std::string model;  ///< path
+  Settings settings;
+  OutputSettings outputs;  ///< `states` alone counts
+  /// While the hand moves: springs of law linear that know nothing of each other, balanced to a thousandth of the load,
+  /// searched from the last quick answer where no body is free to turn. Of a joint with parts that give way there is
+  /// none: it is answered as it is.
+  bool quick = false;
+};
+
+struct LiveAnswer {
+  /// "dea.live/1": `quick`; `state`, as run_json has it; `bodies`: name, rotation (three rows) and center, a point x of
+  /// the reference is at rotation (x - reference center) + center; `surfaces`: name, body, contact, and where its facets'
+  /// pressures stand in `pressure`; `findings`.
+  Json text;
+  std::vector<float> pressure;  ///< of facets, in the order of the model's surfaces
+};
+
+/// Joints that stay ready between answers, and where the last quick one ended.
+struct LiveJoint {
+  ReadyJoints joints{kBytes};
+  std::string quick_joint;  ///< which it was of: model and joint_key
+  std::optional<KnownBalance> quick_balance;
+  static constexpr double kBytes = 1e9;
+};
+
+/// The answer that is not quick has the numbers of `dea run` of the same settings, by the same search from the same
+/// start. Throws UsageError and InputError as that does.
+LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request);
+
+}  // namespace dea
