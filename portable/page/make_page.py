@@ -41,6 +41,8 @@ def main():
         "elements": (report / "elements.js").read_text(),
         "style": (here / "page.css").read_text(),
         "main": (here / "page.js").read_text(),
+        "hand": (here / "hand.js").read_text(),
+        "live": (here / "live.js").read_text(),
         "packed": packed("code", code.read_bytes() + b"\n" + (here / "worker.js").read_bytes())
         + packed("module", module.read_bytes())
         + packed("sample-model", sample.read_bytes(), f' data-name="{sample.name}"')

@@ -55,7 +55,28 @@ const Program = (() => {
     });
     return { done, stop() { const stopped = end; end = null; stopped({ stopped: true }); } };
   }
-  return { run };
+  // A worker that keeps the joints of these files ready: ask({ ask, words, quick }), as often as is wanted.
+  function stay(files, answered, failed) {
+    let worker = null, ready = false, ended = false;
+    const waiting = [];
+    parts ??= load();
+    parts.then(({ url, module }) => {
+      if (ended) return;
+      worker = new Worker(url);
+      worker.onmessage = ({ data }) => {
+        if (data.fault !== undefined) failed(worded(data.fault));
+        else if (data.ask !== undefined) answered(data);
+        else if (data.ready) { ready = true; for (const q of waiting.splice(0)) worker.postMessage(q); }
+      };
+      worker.onerror = (e) => { e.preventDefault(); failed(worded(e.message || "the worker could not be started")); };
+      worker.postMessage({ module, words: [], files, live: true });
+    });
+    return {
+      ask(question) { if (ready) worker.postMessage(question); else waiting.push(question); },
+      end() { ended = true; if (worker) worker.terminate(); }
+    };
+  }
+  return { run, stay };
 })();
 
 // ---- what is typed ----
@@ -274,7 +295,7 @@ const Form = (() => {
 
 // ---- recognise, solve, compare ----
 
-let recognising = null, solving = null, solved = null, waiting = 0, refused = false;
+let recognising = null, solving = null, solved = null, waiting = 0, refused = false, recognised = null;
 const told = { files: [], info: [], run: [] };  // what is wrong, by who said it
 
 // What a run depends on.
@@ -342,7 +363,7 @@ async function recognise() {
     $("model").hidden = false;
     $("info").textContent = answer.output;
     const made = answer.made.find((m) => m.name === json);
-    if (made) Form.suggest(JSON.parse(await made.blob.text()));
+    if (made) Form.suggest(recognised = JSON.parse(await made.blob.text()));
   } else {
     // a setting may be what is wrong: it stays in reach
     $("model").hidden = !Form.set();
@@ -407,7 +428,7 @@ async function solve() {
     showAge();
     return;
   }
-  solved = { key, parts };
+  solved = { key, parts, line: compare ? null : ["run", typedName(model), ...words, ...settingsFile()], files };
   await showResult();
 }
 
@@ -432,17 +453,27 @@ function showAge() {
   const old = !!solved && solved.key !== asked();
   $("result").classList.toggle("old", old);
   if ($("age")) $("age").hidden = !old;
+  if (old) Live.end();
 }
 
 async function showResult() {
   const { parts } = solved, place = $("result");
+  Live.end();
   place.replaceChildren(make("p", { class: "fault", id: "age", hidden: true, text: "Settings or files have changed since: below is still the result of the command line that stands there. Solve again for the new one." }));
   for (const part of parts) place.append(await partElement(part));
   place.hidden = false;
+  takeInHand(place);
   showAge();
   place.focus({ preventScroll: true });
   place.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
   say(parts.some((p) => p.code === 1) ? "Solved, but not all results are solutions." : "Solved.");
+}
+
+// A run that has a page, of a model without tables: those have a state a row.
+function takeInHand(place) {
+  const frame = place.querySelector("iframe"), { line, files, parts } = solved;
+  if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--(loads|motion|times-from|states)(=|$)/.test(w))) return;
+  frame.addEventListener("load", () => Live.start(recognised, line, files, frame, frame), { once: true });
 }
 
 async function partElement({ title, words, code, fault: broken, lines, output, made = [] }) {

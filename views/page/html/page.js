@@ -132,8 +132,23 @@ const Page = (() => {
   }
 
   const shown = () => (state.beside ? [state.surface, state.beside] : [state.surface]);
-  const values = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
-  const edge = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
+  // A page around this one may put a state of its own in place of all of these: { note, surfaces: by their names
+  // { values: pressures per facet, edge } }; null: none. Nothing of this page's own states is shown then.
+  function hold(held) {
+    state.held = held;
+    nodalCache.clear();
+    update();
+  }
+  const heldOf = (q, s) => (q === "pressure" && state.held.surfaces.get(s.about.names[0])) || { values: null, edge: null };
+  const values = (q, i, s = state.surface) => {
+    if (state.held) return heldOf(q, s).values;
+    const f = s.fields[q][i];
+    return f ? f.state(Report.frames[state.frame].states[i]) : null;
+  };
+  const edge = (q, i, s = state.surface) => {
+    if (state.held) return heldOf(q, s).edge;
+    const f = s.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null;
+  };
   const nodalCache = new Map();
   function nodal(q, i, s = state.surface) {
     const key = [s.index, q, i, Report.frames[state.frame].states[i]].join();
@@ -144,9 +159,9 @@ const Page = (() => {
     }
     return nodalCache.get(key);
   }
-  const unsolved = (i) => Report.frames[state.frame].unsolved.includes(i);
+  const unsolved = (i) => !state.held && Report.frames[state.frame].unsolved.includes(i);
   function measures(i, s = state.surface) {
-    const k = Report.frames[state.frame].states[i], m = k < 0 ? null : s.about.measures[i][k];
+    const k = state.held ? -1 : Report.frames[state.frame].states[i], m = k < 0 ? null : s.about.measures[i][k];
     return m ? m[0] : null;
   }
 
@@ -169,6 +184,9 @@ const Page = (() => {
       scale.level = scaleStep(scale.least, scale.most);
     }
     scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
+    if (state.held && q === "pressure")
+      for (const s of shown())
+        for (const x of values(q, 0, s) || []) if (x > scale.most) { scale.most = scale.highest = x; scale.level = scaleStep(scale.least, x); }
     const most = said(q);
     if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
     scale.zero = scale.least < 0;  // a line at 0
@@ -224,7 +242,8 @@ const Page = (() => {
         scale = scales.get(p.quantity);
         const v = values(p.quantity, p.result, s), q = quantities[p.quantity];
         what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
-        if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
+        if (!v && state.held) p.message = p.quantity === "pressure" ? "no solution here" : "left out while the joint is in the hand";
+        else if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
         else {
           const averages = nodal(p.quantity, p.result, s);
           what.from = edge(p.quantity, p.result, s);
@@ -245,13 +264,13 @@ const Page = (() => {
     readouts();
     const frame = Report.frames[state.frame];
     $("slider").value = String(state.frame);
-    $("now").textContent = frame.time === null ? "compared states, at different times" : Format.at(frame.time) + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
+    $("now").textContent = state.held ? `in the hand${state.held.note}` : frame.time === null ? "compared states, at different times" : Format.at(frame.time) + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
     drawFigures();
   }
 
   // How the rest of the model and the surfaces stand in this state, by the first result.
   function motions() {
-    const c = Report.context, at = Report.frames[state.frame].states[0];
+    const c = Report.context, at = state.held ? -1 : Report.frames[state.frame].states[0];
     return c && c.parts_move.length && state.poses && at >= 0 ? { parts: c.parts_move[at], surfaces: c.surfaces_move[at] } : null;
   }
 
@@ -422,5 +441,6 @@ const Page = (() => {
   }
   startPage(start);
 
+  window.hold = hold;
   return { state, maps, setFrame, setSurface, update, get panels() { return panels; } };
 })();
