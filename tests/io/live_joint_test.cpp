@@ -64,13 +64,13 @@ TEST(LiveJoint, AnswersAsTheRunDoes) {
       double most = 0.0, largest = 0.0;
       for (const Json& surface : answer.text["surfaces"]) {
         ASSERT_LE(surface["begin"].get<std::size_t>() + surface["count"].get<std::size_t>(), answer.pressure.size());
-        for (std::size_t k = 0; surface["springs"].get<bool>() && k < surface["count"].get<std::size_t>(); ++k)
+        for (std::size_t k = 0; k < surface["count"].get<std::size_t>(); ++k)
           most = std::max<double>(most, answer.pressure[surface["begin"].get<std::size_t>() + k]);
       }
       for (const Json& contact : answer.text["state"]["contacts"])
         largest = std::max(largest, contact["peak_pressure"].get<double>());
       EXPECT_GT(most, 0.3 * largest) << "the map is not of this state";
-      EXPECT_LE(most, largest * (1 + 1e-6));
+      EXPECT_LT(most, 1.5 * largest);
     }
   }
 }

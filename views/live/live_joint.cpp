@@ -1,5 +1,6 @@
 #include "views/live/live_joint.h"
 
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -36,22 +37,40 @@ Json bodies_json(const Joint& joint, const std::vector<Pose>& poses) {
   return bodies;
 }
 
-/// Appends the pressures of both sides of every contact.
+/// Appends the pressures of all surfaces that contacts press, each once.
 Json surfaces_json(const JointModel& model, const Joint& joint, const StateResult& state,
-                   std::vector<float>& pressure) {
-  Json surfaces = Json::array();
+                   std::map<std::string, LiveJoint::Drawn>& drawn, std::vector<float>& pressure) {
+  std::map<int, std::vector<const SideFields*>> sides;  // by surface
+  std::map<int, int> body;
   for (std::size_t c = 0; c < state.fields.size(); ++c)
     for (std::size_t side = 0; side < 2; ++side) {
       const Layer& layer = joint.contacts[c].layers[side];
-      const SideFields& fields = state.fields[c].sides[side];
-      surfaces.push_back({{"name", model.surfaces[at(layer.surface)].name},
-                          {"contact", joint.contacts[c].name},
-                          {"body", joint.bodies[at(layer.body)].name},
-                          {"springs", fields.springs},
-                          {"begin", pressure.size()},
-                          {"count", fields.pressure.size()}});
-      pressure.insert(pressure.end(), fields.pressure.begin(), fields.pressure.end());
+      std::vector<const SideFields*>& of = sides[layer.surface];
+      if (of.empty() || of.front()->pressure.size() == state.fields[c].sides[side].pressure.size())
+        of.push_back(&state.fields[c].sides[side]);
+      body[layer.surface] = layer.body;
     }
+  Json surfaces = Json::array();
+  for (const auto& [surface, of] : sides) {
+    const Surface& s = model.surfaces[at(surface)];
+    std::vector<double> facets = of.front()->pressure;
+    for (std::size_t k = 1; k < of.size(); ++k)
+      for (std::size_t f = 0; f < facets.size(); ++f) facets[f] += of[k]->pressure[f];
+    auto shape = drawn.find(s.name);
+    if (shape == drawn.end()) {
+      LiveJoint::Drawn made{make_result_surface(s.name, s.begin, s.nodes, model.nodes), {}};
+      made.map = make_map_mesh(made.surface);
+      shape = drawn.emplace(s.name, std::move(made)).first;
+    }
+    const double edge = edge_level(shape->second.map, facets,
+                                   point_values(shape->second.map, nodal_average(shape->second.surface, facets)));
+    surfaces.push_back({{"name", s.name},
+                        {"body", joint.bodies[at(body.at(surface))].name},
+                        {"edge", json_number(edge)},
+                        {"begin", pressure.size()},
+                        {"count", facets.size()}});
+    pressure.insert(pressure.end(), facets.begin(), facets.end());
+  }
   return surfaces;
 }
 
@@ -81,6 +100,10 @@ LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
     live.quick_balance.reset();
     if (solved(state.equilibrium.outcome)) live.quick_balance = KnownBalance{state.equilibrium.poses, {}};
   }
+  if (live.drawn_model != request.model) {
+    live.drawn_model = request.model;
+    live.drawn.clear();
+  }
   LiveAnswer answer;
   Findings findings = of.findings;
   add_once(findings, ready->warnings);
@@ -90,7 +113,7 @@ LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
                  {"solved", solved(state.equilibrium.outcome)},
                  {"state", state_json(ready->model, joint, state)},
                  {"bodies", bodies_json(joint, state.equilibrium.poses)},
-                 {"surfaces", surfaces_json(ready->model, joint, state, answer.pressure)},
+                 {"surfaces", surfaces_json(ready->model, joint, state, live.drawn, answer.pressure)},
                  {"findings", findings_json(findings)}};
   return answer;
 }

@@ -1,6 +1,7 @@
 // views/live/live_joint.h – a joint in the hand: recognised and factorised once, it answers for poses, loads and
 // cartilage that change from moment to moment.
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,7 +9,9 @@
 #include "io/settings/output_options.h"
 #include "io/study/ready_joints.h"
 #include "src/model/settings.h"
+#include "src/results/comparison.h"
 #include "views/data/json.h"
+#include "views/map/map_geometry.h"
 
 namespace dea {
 
@@ -25,8 +28,9 @@ struct LiveRequest {
 
 struct LiveAnswer {
   /// "dea.live/1": `quick`; `state`, as run_json has it; `bodies`: name, rotation (three rows) and center, a point x of
-  /// the reference is at rotation (x - reference center) + center; `surfaces`: name, body, contact, and where its facets'
-  /// pressures stand in `pressure`; `findings`.
+  /// the reference is at rotation (x - reference center) + center; `surfaces`, each once: name, body, edge (the level
+  /// of nodal averages where contact ends, null: there is none), and where its facets' pressures stand in `pressure`;
+  /// `findings`.
   Json text;
   std::vector<float> pressure;  ///< of facets, in the order of the model's surfaces
 };
@@ -36,6 +40,13 @@ struct LiveJoint {
   ReadyJoints joints{kBytes};
   std::string quick_joint;  ///< which it was of: model and joint_key
   std::optional<KnownBalance> quick_balance;
+  /// Surfaces as maps draw them, of one model, by their names.
+  struct Drawn {
+    ResultSurface surface;
+    MapMesh map;
+  };
+  std::string drawn_model;
+  std::map<std::string, Drawn> drawn;
   static constexpr double kBytes = 1e9;
 };
 
