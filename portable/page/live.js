@@ -108,8 +108,9 @@ const Live = (() => {
     hold({ note, surfaces });
   }
 
-  // `info`: of dea info --json; `page`: the frame of the run's page; `line`: words of the run without its outputs.
-  function start(info, line, files, page, after) {
+  // `info`: of dea info --json; `line`: words of the run without its outputs; `page`: the frame of the run's
+  // page.
+  function start(info, line, files, page) {
     end();
     frame = page;
     base = line;
@@ -144,11 +145,11 @@ const Live = (() => {
       cartilage.append(row({ key: "thick", label: "thickness, times", least: 0.3, most: 2, step: 0.01, start: 1 }));
       groups.append(cartilage);
     }
-    const command = make("pre", { class: "line", id: "hand-line" });
+    const command = make("pre", { id: "hand-line" });
     place.append(make("div", { class: "controls" }, make("button", { id: "hand-undo", text: "Undo", disabled: true, onclick: undo }), make("button", { id: "hand-reset", text: "Reset", onclick: reset }),
       make("b", { id: "hand-what", role: "status" }), make("span", { class: "about", id: "hand-seconds" })),
       make("ul", { id: "hand-remarks" }), make("table", { id: "hand-numbers" }), make("p", { class: "about", id: "hand-bodies" }), command);
-    after.before(place);
+    frame.before(place);
     const failed = (text) => { $("hand-what").textContent = text; drawMap(null, ""); };
     for (const kind of ["quick", "exact"]) workers[kind] = Program.stay(files, (answer) => hand && hand.answered(answer), failed);
     hand = new Hand((q) => { $("hand-line").textContent = commandLine(words()); workers[q.quick ? "quick" : "exact"].ask(q); }, show);

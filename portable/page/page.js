@@ -473,7 +473,8 @@ async function showResult() {
 function takeInHand(place) {
   const frame = place.querySelector("iframe"), { line, files, parts } = solved;
   if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--(loads|motion|times-from|states)(=|$)/.test(w))) return;
-  frame.addEventListener("load", () => Live.start(recognised, line, files, frame, frame), { once: true });
+  const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: () => { button.remove(); Live.start(recognised, line, files, frame); } });
+  frame.before(make("p", {}, button));
 }
 
 async function partElement({ title, words, code, fault: broken, lines, output, made = [] }) {
