@@ -55,10 +55,9 @@ class Hand {
     if (!worker) return;
     const question = worker.asked, what = 2 * question.place + (question.quick ? 0 : 1);
     worker.asked = null;
-    if (what > this.shown) {
-      this.shown = what;
-      this.show(answer, { ...question, here: question.place === this.place });
-    }
-    this.ask(worker);
+    this.ask(worker);  // it works while the answer is drawn
+    if (!(what > this.shown)) return;
+    this.shown = what;
+    this.show(answer, { ...question, here: question.place === this.place });
   }
 }

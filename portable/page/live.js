@@ -148,7 +148,7 @@ const Live = (() => {
     const command = make("pre", { id: "hand-line" });
     place.append(make("div", { class: "controls" }, make("button", { id: "hand-undo", text: "Undo", disabled: true, onclick: undo }), make("button", { id: "hand-reset", text: "Reset", onclick: reset }),
       make("b", { id: "hand-what", role: "status" }), make("span", { class: "about", id: "hand-seconds" })),
-      make("ul", { id: "hand-remarks" }), make("table", { id: "hand-numbers" }), make("p", { class: "about", id: "hand-bodies" }), command);
+      make("ul", { id: "hand-remarks" }), make("div", { class: "wide" }, make("table", { id: "hand-numbers" })), make("p", { class: "about", id: "hand-bodies" }), command);
     frame.before(place);
     const failed = (text) => { $("hand-what").textContent = text; drawMap(null, ""); };
     for (const kind of ["quick", "exact"]) workers[kind] = Program.stay(files, (answer) => hand && hand.answered(answer), failed);

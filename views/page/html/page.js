@@ -136,6 +136,8 @@ const Page = (() => {
   // { values: pressures per facet, edge } }; null: none. Nothing of this page's own states is shown then.
   function hold(held) {
     state.held = held;
+    if (held) document.documentElement.dataset.held = "true";
+    else delete document.documentElement.dataset.held;
     nodalCache.clear();
     update();
   }
@@ -379,6 +381,7 @@ const Page = (() => {
   });
 
   function drawFigures() {  // those out of sight wait until the states stand still
+    if (state.held) return;
     if (state.surface || !Report.surfaces.length) Figures.drawAll([...figures.now, ...figures.time], state, player.on ? 600 : 120);
   }
 
