@@ -11,7 +11,13 @@ const Live = (() => {
     workers = {};
     hand = null;
     if (place) place.remove();
+    if (place && frame.contentWindow && frame.contentWindow.hold) frame.contentWindow.hold(null);  // the run's own states
     place = null;
+  }
+  async function copy() {
+    try { await navigator.clipboard.writeText($("hand-line").textContent); } catch { getSelection().selectAllChildren($("hand-line")); document.execCommand("copy"); }
+    $("hand-copy").textContent = "Copied";
+    setTimeout(() => { if ($("hand-copy")) $("hand-copy").textContent = "Copy as command"; }, 1500);
   }
 
   // A slider and a number that say the same. `about`: { label, unit, least, most, step, start }.
@@ -108,9 +114,9 @@ const Live = (() => {
     hold({ note, surfaces });
   }
 
-  // `info`: of dea info --json; `line`: words of the run without its outputs; `page`: the frame of the run's
+  // `info`: of dea info --json; `down`: is called once it is put down; `line`: words of the run without its outputs; `page`: the frame of the run's
   // page.
-  function start(info, line, files, page) {
+  function start(info, line, files, page, down) {
     end();
     frame = page;
     base = line;
@@ -147,6 +153,7 @@ const Live = (() => {
     }
     const command = make("pre", { id: "hand-line" });
     place.append(make("div", { class: "controls" }, make("button", { id: "hand-undo", text: "Undo", disabled: true, onclick: undo }), make("button", { id: "hand-reset", text: "Reset", onclick: reset }),
+      make("button", { id: "hand-copy", text: "Copy as command", onclick: copy }), make("button", { id: "hand-down", text: "Put it down", onclick: () => { end(); down(); } }),
       make("b", { id: "hand-what", role: "status" }), make("span", { class: "about", id: "hand-seconds" })),
       make("ul", { id: "hand-remarks" }), make("div", { class: "wide" }, make("table", { id: "hand-numbers" })), make("p", { class: "about", id: "hand-bodies" }), command);
     frame.before(place);

@@ -473,7 +473,10 @@ async function showResult() {
 function takeInHand(place) {
   const frame = place.querySelector("iframe"), { line, files, parts } = solved;
   if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--(loads|motion|times-from|states)(=|$)/.test(w))) return;
-  const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: () => { button.remove(); Live.start(recognised, line, files, frame); } });
+  const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: () => {
+    button.hidden = true;
+    Live.start(recognised, line, files, frame, () => { button.hidden = false; button.focus(); });
+  } });
   frame.before(make("p", {}, button));
 }
 
