@@ -3,7 +3,7 @@
 "use strict";
 
 const Live = (() => {
-  let place = null, hand = null, frame = null, base = [], workers = {}, rows = [], past = [], now = "", surfaces = new Set();
+  let place = null, hand = null, frame = null, base = [], workers = {}, rows = [], past = [], now = "";
   const number = (x, digits = 4) => (x === null || x === undefined ? "–" : String(Number(x.toPrecision(digits))).replace("-", "−"));
 
   function end() {
@@ -41,10 +41,10 @@ const Live = (() => {
 
   // What dea run is told of where the hand is.
   function moved() {
-    const out = [], of = (key) => rows.filter((r) => r.about.key === key), byBody = new Map();
+    const out = [], of = (key) => rows.filter((r) => r.about.key === key);
     for (const r of of("turn")) if (r.value !== 0) out.push("--rotate", `${r.about.body}=${r.about.axis.join()},${r.value}`);
     for (const [key, option] of [["move", "--move"], ["force", "--force"]]) {
-      byBody.clear();
+      const byBody = new Map();
       for (const r of of(key)) {
         if (!byBody.has(r.about.body)) byBody.set(r.about.body, { values: [], changed: false });
         const b = byBody.get(r.about.body);
@@ -55,7 +55,6 @@ const Live = (() => {
     }
     for (const r of of("E")) if (r.value !== r.about.start) out.push("--E", `${r.about.surface}=${r.value}`);
     for (const r of of("thick")) if (r.value !== 1) out.push("--thickness-scale", String(r.value));
-    for (const r of of("nu")) if (r.value !== r.about.start) out.push("--nu", String(r.value));
     return out;
   }
   const words = () => [...base, ...moved(), "--states", "last"];
@@ -140,7 +139,7 @@ const Live = (() => {
       groups.append(of);
     }
     const cartilage = make("details", {}, make("summary", { text: "Cartilage" }));
-    surfaces = new Set();
+    const surfaces = new Set();
     for (const c of contacts)
       for (const s of [c.primary, c.secondary])
         if (s && !s.rigid && s.E > 0 && !s.part && !surfaces.has(s.surface)) {
