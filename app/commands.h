@@ -20,6 +20,7 @@ struct RunArguments : ModelArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   OutputSettings outputs;          ///< as typed
   std::string times_from;
+  std::string live;  ///< page
   FindingsArguments findings;
   bool verbose = false, details = false, overwrite = false, compress = false;
 };

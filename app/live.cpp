@@ -25,7 +25,7 @@ std::vector<float>& answer_pressure() {
   return pressure;
 }
 
-int answer(const std::vector<std::string>& words, bool quick) {
+int answer(const std::vector<std::string>& words, bool quick, const std::string& from) {
   CLI::App app(kAbout, "dea");
   app.require_subcommand(1);
   RunArguments a;
@@ -35,8 +35,11 @@ int answer(const std::vector<std::string>& words, bool quick) {
   LiveRequest request;
   request.model = a.model;
   request.settings = effective_settings(a.settings, &file);
-  request.outputs = over(a.outputs, file);
+  OutputSettings typed = a.outputs;
+  typed.states_given = "--states " + typed.states;
+  request.outputs = over(typed, file);
   request.quick = quick;
+  if (!from.empty()) request.from = Json::parse(from);
   LiveAnswer answer = live_answer(live_joint(), request);
   const bool solved = answer.text["solved"].get<bool>();
   answer_text() = json_text(answer.text);
@@ -51,8 +54,9 @@ int answer(const std::vector<std::string>& words, bool quick) {
 extern "C" {
 
 /// Solves what a line of `dea run` asks for. `words`: its words, the program's name first, each ended by a line feed.
-/// `quick`: LiveRequest. Returns the exit code of `dea run`; a fault is a line of standard error.
-EMSCRIPTEN_KEEPALIVE int dea_live(const char* words, int quick) {
+/// `quick`, `from` (its text; empty: null): LiveRequest. Returns the exit code of `dea run`; a fault is a line of
+/// standard error.
+EMSCRIPTEN_KEEPALIVE int dea_live(const char* words, int quick, const char* from) {
   std::vector<std::string> list;
   std::string word;
   for (const char* c = words; *c != 0; ++c) {
@@ -65,7 +69,7 @@ EMSCRIPTEN_KEEPALIVE int dea_live(const char* words, int quick) {
   }
   dea::answer_text().clear();
   dea::answer_pressure().clear();
-  return dea::run_program([&] { return dea::answer(list, quick != 0); });
+  return dea::run_program([&] { return dea::answer(list, quick != 0, from); });
 }
 
 /// Of the last call: the text of LiveAnswer, empty after a fault, and its pressures.

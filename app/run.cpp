@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/interrupt.h"
+#include "app/live_page.h"
 #include "app/progress.h"
 #include "io/feb/read_feb.h"
 #include "io/files/output.h"
@@ -45,6 +46,7 @@ Examples:
   dea run hip.feb --force femur=432,-262,1834 --load-at femur=sphere-center --law neo-Hookean
   dea run hip.feb --times-from hip.xplt --csv - -q > walking.csv
   dea run hip.feb --report hip.html && xdg-open hip.html
+  dea run hip.feb --live hip_live.html && xdg-open hip_live.html
   dea run hip.feb --vtu hip_paraview && paraview hip_paraview/results.pvd
   dea run hip.feb --states last --facets-csv facets.csv)";
 
@@ -64,6 +66,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
     else if (o.kind != OutputOption::Kind::States)
       add_output(o);
   }
+  add_once(*c, "--live", a.live, "FILE.html", "Output",
+           "Also write a page that has the joint and this program, to be turned, moved and loaded by hand; it needs "
+           "dea.html beside the program");
   add_overwrite_flag(*c, a.overwrite);
   add_findings_options(*c, a.findings);
   c->add_flag("-v,--verbose", a.verbose,
@@ -183,6 +188,8 @@ int run(const RunArguments& a) {
   const std::string &output = options.outputs.output, &page = options.outputs.report;
   const std::string output_option = given_as(&OutputSettings::output, typed);
   require_page_name(given_as(&OutputSettings::report, typed), page);
+  require_page_name("--live", a.live);
+  const std::string program = a.live.empty() ? "" : live_program();
   require_file(output_option, output);
 
   Progress progress(progress_style(quiet, a.verbose));
@@ -190,7 +197,8 @@ int run(const RunArguments& a) {
   JointModel read = read_feb(a.model);
   std::vector<NamedPath> files = input_files(a, settings);
   if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
-  const std::vector<NamedPath> outputs = named_outputs(typed, file);
+  std::vector<NamedPath> outputs = named_outputs(typed, file);
+  if (!a.live.empty()) outputs.push_back({"--live", a.live});
   const HeldOutputs held = claim_outputs(files, outputs);
   std::vector<NamedPath> others = outputs;
   std::erase_if(others, [&](const NamedPath& file) { return file.path == output; });
@@ -203,6 +211,7 @@ int run(const RunArguments& a) {
   show_activity(progress, {});
   settle_units(read, settings);
   read_tables(read, settings);
+  const std::string live = program.empty() ? "" : live_page_of(program, a, read, settings);
   const Recognition recognition =
       recognise(std::move(read), settings, wants_all_states(options.outputs, options.times_from));
   tell_cost(recognition, quiet, progress);
@@ -219,6 +228,7 @@ int run(const RunArguments& a) {
     };
   }
   const RunResult result = run_model(recognition, options);
+  if (!a.live.empty()) write_text(a.live, live);
   progress.clear();
 
   if (!quiet) {
@@ -226,6 +236,7 @@ int run(const RunArguments& a) {
     tell_of_result(result.analysis.findings, told, a.findings);
     print_result(recognition.model, options, result, a.details);
     if (!page.empty()) log(page + ": the report");
+    if (!a.live.empty()) log(a.live + ": the joint to be taken in the hand");
     if (replaces) log(fmt::format("note: {} replaced the file that was there; -o writes another", output));
   } else {
     tell_quietly(result.analysis);

@@ -1,63 +1,119 @@
-// The joint in the hand: after a solution its bodies, loads and cartilage can be moved by sliders and numbers; the map and
-// its numbers follow. Two workers keep the joint: one answers while the hand moves, one once it rests.
+// The joint in the hand: after a solution its bodies, loads and cartilage can be moved by sliders, numbers and handles on
+// the map; the map and its numbers follow. Two workers keep the joint: one answers while the hand moves, one once it rests.
 "use strict";
 
 const Live = (() => {
-  let place = null, hand = null, frame = null, base = [], workers = {}, rows = [], past = [], now = "";
+  let place = null, hand = null, frame = null, base = [], workers = {}, rows = [], past = [], now = "", about = null;
+  let shown = null;   // what is drawn: { answer, quick, here }
+  let kept = null;    // beside it: { answer, line }
+  let names = null;   // of units
   const number = (x, digits = 4) => (x === null || x === undefined ? "–" : String(Number(x.toPrecision(digits))).replace("-", "−"));
+  const kQuantities = ["p99", "mean", "area", "peak"];
 
   function end() {
+    Plan.end();
     for (const w of Object.values(workers)) w.end();
     workers = {};
-    hand = null;
-    if (place) place.remove();
+    hand = shown = kept = null;
+    if (place) { place.parentElement.classList.remove("holding"); place.remove(); }
     if (place && frame.contentWindow && frame.contentWindow.hold) frame.contentWindow.hold(null);  // the run's own states
     place = null;
   }
-  async function copy() {
-    try { await navigator.clipboard.writeText($("hand-line").textContent); } catch { getSelection().selectAllChildren($("hand-line")); document.execCommand("copy"); }
-    $("hand-copy").textContent = "Copied";
-    setTimeout(() => { if ($("hand-copy")) $("hand-copy").textContent = "Copy as command"; }, 1500);
+  async function copy(button, text) {
+    try { await navigator.clipboard.writeText(text); } catch { getSelection().selectAllChildren($("hand-line")); document.execCommand("copy"); }
+    const before = button.textContent;
+    button.textContent = "Copied";
+    setTimeout(() => { button.textContent = before; }, 1500);
   }
 
-  // A slider and a number that say the same. `about`: { label, unit, least, most, step, start }.
-  function row(about) {
-    const id = `hand-${rows.length}`, { label, least, most, step, start } = about;
-    const range = make("input", { type: "range", min: least, max: most, step, value: start, "aria-label": label });
+  // ---- rows: what the hand can change, each { about, value, element } ----
+
+  // A slider and a number that say the same. `what`: { key, label, unit, least, most, step, start }, and whose it is.
+  function row(what) {
+    const id = `hand-${rows.length}`, { label, least, most, step, start } = what;
+    const range = make("input", { type: "range", min: least, max: most, step, value: start, "aria-label": what.whose ? `${what.whose}: ${label}` : label });
     const typed = make("input", { type: "number", step: "any", value: start, id });
-    const r = { about, get value() { return Number(typed.value); }, set value(x) { typed.value = range.value = String(x); }, element: null };
-    range.addEventListener("input", () => { typed.value = range.value; hand.move(words()); });
+    const r = { about: what, get value() { return Number(typed.value); }, set value(x) { typed.value = range.value = String(x); }, element: null };
+    range.addEventListener("input", () => { typed.value = range.value; follow(r); hand.move(words()); });
     range.addEventListener("change", () => rested());
     typed.addEventListener("change", () => {
       if (typed.value.trim() === "" || !Number.isFinite(Number(typed.value))) r.value = start;
       range.value = typed.value;
+      follow(r);
       hand.set(words());
       rested();
     });
-    r.element = make("div", { class: "handle" }, make("label", { for: id, text: label }), range, typed, make("span", { class: "about", text: about.unit || "" }));
+    r.element = make("div", { class: "handle" }, make("label", { for: id, text: label }), range, typed, make("span", { class: "about", text: what.unit || "" }));
     rows.push(r);
     return r.element;
   }
+  // A word of several. `what`: { key, label, words: [[value, text]], start }.
+  function choice(what) {
+    const id = `hand-${rows.length}`, select = make("select", { id }, ...what.words.map(([value, text]) => make("option", { value, text })));
+    select.value = what.start;
+    const r = { about: what, get value() { return select.value; }, set value(x) { select.value = x; }, element: null };
+    select.addEventListener("change", () => { hand.set(words()); rested(); });
+    r.element = make("div", { class: "handle" }, make("label", { for: id, text: what.label }), select, make("span"), make("span"));
+    rows.push(r);
+    return r.element;
+  }
+  const of = (key, whose) => rows.filter((r) => r.about.key === key && (whose === undefined || r.about.whose === whose));
+  const one = (key, whose) => of(key, whose)[0];
+  const length = (body) => Math.hypot(...of("force", body).map((r) => r.value));
 
-  // What dea run is told of where the hand is.
-  function moved() {
-    const out = [], of = (key) => rows.filter((r) => r.about.key === key);
-    for (const r of of("turn")) if (r.value !== 0) out.push("--rotate", `${r.about.body}=${r.about.axis.join()},${r.value}`);
-    for (const [key, option] of [["move", "--move"], ["force", "--force"]]) {
-      const byBody = new Map();
-      for (const r of of(key)) {
-        if (!byBody.has(r.about.body)) byBody.set(r.about.body, { values: [], changed: false });
-        const b = byBody.get(r.about.body);
-        b.values.push(r.value);
-        b.changed ||= r.value !== r.about.start;
-      }
-      for (const [body, b] of byBody) if (b.changed) out.push(option, `${body}=${b.values.join()}`);
+  // A force has three numbers and a size: one follows the other.
+  function follow(r) {
+    const body = r.about.whose;
+    if (r.about.key === "size") {
+      const before = length(body), parts = of("force", body);
+      const direction = before > 0 ? parts.map((p) => p.value / before) : parts.map((p) => p.about.start / Math.hypot(...parts.map((q) => q.about.start)));
+      parts.forEach((p, i) => { p.value = Number((direction[i] * r.value).toPrecision(6)); });
+    } else if (r.about.key === "time") {
+      r.value = Math.min(r.about.most, Math.max(0, Math.round(r.value)));
+      r.element.lastChild.textContent = `time ${number(r.about.times[r.value])}`;
+    } else if (r.about.key === "force") {
+      one("size", body).value = Number(length(body).toPrecision(6));
     }
-    for (const r of of("E")) if (r.value !== r.about.start) out.push("--E", `${r.about.surface}=${r.value}`);
-    for (const r of of("thick")) if (r.value !== 1) out.push("--thickness-scale", String(r.value));
+  }
+
+  // ---- words ----
+
+  // Those of the run without what the hand says in their place.
+  function without(list, option, key) {
+    const out = [];
+    for (let i = 0; i < list.length; ++i) {
+      const split = list[i] === option, whole = list[i].startsWith(option + "=");
+      const value = split ? list[i + 1] ?? "" : list[i].slice(option.length + 1);
+      if ((split || whole) && (key === null || value.startsWith(key + "="))) { i += split ? 1 : 0; continue; }
+      out.push(list[i]);
+    }
     return out;
   }
-  const words = () => [...base, ...moved(), "--states", "last"];
+  const axesOf = () => { const r = one("axes"); return r ? r.value : ""; };
+  const text = (x) => String(Number(x));
+
+  // What dea run is told of where the hand is; `instead`: values of rows that are not theirs.
+  function words(instead = new Map()) {
+    const at = (r) => (instead.has(r) ? instead.get(r) : r.value), framed = axesOf() ? `frame:${axesOf()},` : "";
+    let line = base, said = [];
+    const say = (option, key, value) => { line = without(line, option, key); said.push(option, key === null ? value : `${key}=${value}`); };
+    for (const body of new Set(of("turn").map((r) => r.about.whose))) {
+      const turns = of("turn", body).filter((r) => at(r) !== 0), about = one("about", body);
+      if (turns.length && about.value !== about.about.start) say("--rotate-about", body, about.value);
+      for (const r of turns) said.push("--rotate", `${body}=${framed}${r.about.axis.join()},${text(at(r))}`);
+      const moves = of("move", body);
+      if (moves.some((r) => at(r) !== 0)) said.push("--move", `${body}=${framed}${moves.map((r) => text(at(r))).join()}`);
+      const size = one("size", body);
+      let force = of("force", body).map(at);
+      if (instead.has(size)) { const l = Math.hypot(...force); force = force.map((x) => Number((l > 0 ? x * instead.get(size) / l : 0).toPrecision(6))); }
+      if (force.some((x, i) => x !== of("force", body)[i].about.start)) say("--force", body, force.map(text).join());
+    }
+    for (const option of ["E", "nu"]) for (const r of of(option)) if (at(r) !== r.about.start) say(`--${option}`, r.about.surface, text(at(r)));
+    for (const r of of("thick")) if (at(r) !== 1) say("--thickness-scale", null, text(at(r)));
+    for (const r of of("law")) if (r.value !== r.about.start) say("--law", null, r.value);
+    const time = one("time");
+    return [...without(line, "--states", null), ...said, "--states", time && at(time) < time.about.most ? text(time.about.times[at(time)]) : "last"];
+  }
 
   // Where the hand rested, to go back to.
   const places = () => JSON.stringify(rows.map((r) => r.value));
@@ -70,6 +126,7 @@ const Live = (() => {
   }
   function go(at) {
     JSON.parse(at).forEach((x, i) => { rows[i].value = x; });
+    of("time").forEach(follow);
     now = at;
     hand.set(words());
   }
@@ -80,87 +137,210 @@ const Live = (() => {
   }
   function reset() {
     rows.forEach((r) => { r.value = r.about.start; });
+    of("time").forEach(follow);
     rested();
     hand.set(words());
   }
 
+  // ---- handles on the map ----
+
+  const unit = (k) => [0, 1, 2].map((i) => (i === k ? 1 : 0));
+  // Axes x, y, z in global directions.
+  function axes() {
+    const rowsOf = axesOf() && about.settings.frame && about.settings.frame[axesOf()];
+    return rowsOf ? String(rowsOf).split("/").map((axis) => axis.split(",").map(Number)) : [0, 1, 2].map(unit);
+  }
+  // Where a body is turned about, as it is shown.
+  function center(body) {
+    const how = one("about", body).value, sides = about.contacts.flatMap((c) => [c.primary, c.secondary]).filter((s) => s && s.body === body);
+    if (how === "sphere-center" && sides.length) return sides[0].sphere.center;
+    const mass = about.bodies.find((b) => b.name === body).center_of_mass;
+    return how.includes(",") ? how.split(",").map(Number) : mass;
+  }
+  function handles() {
+    const body = $("hand-body").value;
+    if (!body) return [];
+    const at = center(body), xyz = axes(), out = [];
+    for (const key of ["turn", "move"])
+      xyz.forEach((axis, i) => out.push({ key: `${key} ${i}`, kind: key, body, row: of(key, body)[i], at, axis, colour: [1, 2, 0][i], text: key === "move" ? "xyz"[i] : "" }));
+    const force = of("force", body).map((r) => r.value), l = length(body);
+    if (l > 0) out.push({ key: "load", kind: "load", body, at, axis: force.map((x) => x / l), size: Math.min(1, l / one("size", body).about.most), colour: null, text: `${number(l, 3)}${names?.force ? " " + names.force : ""}` });
+    return out;
+  }
+  // Kept to steps that can be read.
+  const stepped = (r, x) => { const step = r.about.step / 10; return Number((Math.round(x / step) * step).toPrecision(8)); };
+  function dragged(handle, change, ended) {
+    if (ended) { rested(); return; }
+    if (handle.kind === "load") {
+      const l = length(handle.body);
+      of("force", handle.body).forEach((r, i) => { r.value = Number((l * change[i]).toPrecision(6)); });
+    } else {
+      // what is too small for a step is not lost
+      const turn = handle.kind === "turn" ? 180 / Math.PI : 1, r = handle.row;
+      if (dragged.row !== r || r.value !== dragged.value) dragged.exact = r.value;
+      dragged.row = r;
+      dragged.exact += change * turn;
+      r.value = stepped(r, dragged.exact);
+      dragged.value = r.value;
+    }
+    hand.move(words());
+  }
+
+  // ---- what is shown ----
+
+  const surfacesOf = (answer) => new Map(answer && answer.text && answer.text.solved ? answer.text.surfaces.map((s) => [s.name, { values: answer.pressure.subarray(s.begin, s.begin + s.count), edge: s.edge ?? Infinity }]) : []);
+  const rowsOf = (answer) => (answer && answer.text && answer.text.solved ? answer.text.state.contacts.map((c) => ({ name: c.name, values: [...kQuantities.map((k) => c.headline?.[k] ?? null), Math.hypot(...c.force)] })) : []);
+
+  const settledWell = () => !!shown && shown.here && !shown.quick && !!shown.answer.text && shown.answer.text.solved;
+
   // `here`: the answer is of where the hand is.
   function show(answer, { quick, here }) {
     const text = answer.text, ok = !!text && text.solved;
+    shown = { answer, quick, here };
     place.dataset.ask = String(answer.ask);
     place.dataset.exact = String(!quick && here);
-    $("hand-what").textContent = !text ? "No answer" : !ok ? "No solution here" : quick && text.quick ? "Coarse, while it moves: springs of law linear" : here ? "Exact: what dea run gives" : "Exact, of a moment ago";
+    $("hand-what").textContent = !text ? "No answer" : !ok ? (quick ? "No coarse solution here" : "No solution here") : quick ? "Coarse, while it moves" : here ? "Exact: what dea run gives" : "Exact, of a moment ago";
     place.classList.toggle("coarse", quick || !here);
+    $("hand-keep").disabled = !kept && !settledWell();
     const remarks = text ? [...(ok ? [] : [text.state.message]), ...text.findings.filter((f) => f.severity !== "note").map((f) => f.text)] : answer.lines;
     $("hand-remarks").replaceChildren(...[...new Set(remarks)].filter(Boolean).map((t) => make("li", { text: t })));
+    if (quick || here) $("hand-other").textContent = "";
     $("hand-seconds").textContent = `${Math.round(1000 * answer.seconds)} ms`;
-    const head = ["contact", "p99", "mean", "area", "peak", "force"], body = [];
-    if (ok)
-      for (const c of text.state.contacts)
-        body.push([c.name, ...["p99", "mean", "area", "peak"].map((k) => number(c.headline?.[k])), number(Math.hypot(...c.force))]);
+    numbers();
+    $("hand-bodies").textContent = ok ? text.bodies.filter((b) => b.center.some((x, i) => x !== b.reference_center[i])).map((b) => `${b.name}: moved by ${b.center.map((x, i) => number(x - b.reference_center[i], 3)).join(", ")}`).join("; ") : "";
+    // one sentence for those who hear the page, once the hand rests
+    if (!quick && here) $("hand-said").textContent = ok ? rowsOf(answer).map((r) => `${r.name}: ${kQuantities.map((k, i) => `${k} ${number(r.values[i])}`).join(", ")}`).join("; ") : $("hand-what").textContent + ": " + remarks.join(" ");
+    draw();
+    Plan.follow();
+  }
+  function numbers() {
+    const head = ["contact", ...kQuantities, "force"], body = [], rows = rowsOf(shown.answer), beside = kept ? rowsOf(kept.answer) : [];
+    const put = (name, list, show = number) => body.push([name, ...list.map((x) => show(x))]);
+    for (const r of rows) put(r.name, r.values);
+    for (const r of beside) {
+      put(beside.length > 1 ? `kept: ${r.name}` : "kept", r.values);
+      const mine = rows.find((x) => x.name === r.name);
+      if (mine) put("change", mine.values.map((x, i) => (x === null || !r.values[i] ? null : 100 * (x / r.values[i] - 1))), (x) => (x === null ? "–" : `${x > 0.05 ? "+" : ""}${(Math.abs(x) < 0.05 ? 0 : x).toFixed(1).replace("-", "−")} %`));
+    }
     $("hand-numbers").replaceChildren(make("tr", {}, ...head.map((h) => make("th", { scope: "col", text: h }))),
       ...body.map((r) => make("tr", {}, ...r.map((c, i) => make(i ? "td" : "th", { scope: i ? null : "row", text: c })))));
-    $("hand-bodies").textContent = ok ? text.bodies.map((b) => `${b.name}: moved by ${b.center.map((x, i) => number(x - b.reference_center[i], 3)).join(", ")}`).join("; ") : "";
-    drawMap(ok ? answer : null, here ? (quick ? ", coarse" : "") : ", a moment ago");
   }
-
   // Into the page of the run: what is not solved has no map.
-  function drawMap(answer, note) {
+  function draw() {
     const hold = frame && frame.contentWindow && frame.contentWindow.hold;
     if (!hold) return;
-    const surfaces = new Map();
-    if (answer) for (const s of answer.text.surfaces) surfaces.set(s.name, { values: answer.pressure.subarray(s.begin, s.begin + s.count), edge: s.edge ?? Infinity });
-    hold({ note, surfaces });
+    const { answer, quick, here } = shown || {};
+    hold({ note: !shown ? "" : here ? (quick ? ", coarse" : "") : ", a moment ago", surfaces: surfacesOf(answer), beside: kept ? surfacesOf(kept.answer) : null, handles: handles(), onhandle: dragged });
+  }
+  // Searched once more from where the hand left the bodies.
+  function again(answer, exact) {
+    const a = answer.text, b = exact.text;
+    if (!a || !b) return;
+    let words = "";
+    if (a.solved && !b.solved) words = "Coming from where the hand was there is a balance here; dea run, which starts from the model, finds none.";
+    if (a.solved && b.solved) {
+      const reach = Math.sqrt(Math.max(...about.contacts.flatMap((c) => [c.primary, c.secondary]).map((s) => s.area)));
+      for (const body of a.bodies) {
+        const other = b.bodies.find((o) => o.name === body.name), shift = Math.hypot(...body.center.map((x, i) => x - other.center[i]));
+        const turn = Math.max(...body.rotation.flatMap((r, i) => r.map((x, j) => Math.abs(x - other.rotation[i][j]))));
+        if (shift > 1e-3 * reach || turn > 1e-3) words = `Two balances: coming from where the hand was, ${body.name} would rest ${number(shift, 2)} ${names?.length || ""} and ${number(turn * 180 / Math.PI, 2)}° from where dea run, which starts from the model, finds it. Shown is what dea run finds.`;
+      }
+    }
+    $("hand-other").textContent = words;
+    place.dataset.again = String(answer.ask);
   }
 
-  // `info`: of dea info --json; `down`: is called once it is put down; `line`: words of the run without its outputs; `page`: the frame of the run's
-  // page.
-  function start(info, line, files, page, down) {
+  // ---- beside, and as a file ----
+
+  function keep() {
+    if (!kept && !settledWell()) return;
+    kept = kept ? null : { answer: shown.answer, line: $("hand-line").textContent };
+    $("hand-keep").textContent = kept ? "Put the kept one away" : "Keep this beside";
+    $("hand-kept").textContent = kept ? "Kept: " + kept.line : "";
+    numbers();
+    draw();
+  }
+  async function saveCase(model, files) {
+    const stem = model.replace(/\.[^.]*$/, ""), name = `${stem}_hand.feb`, list = without(words(), "--states", null);
+    const answer = await Program.run(["convert", ...list.slice(1), "-o", name], files).done, made = answer.made && answer.made.find((m) => m.name === name);
+    if (!place) return;
+    $("hand-other").textContent = made ? answer.output.split("\n").filter(Boolean).at(-1) || "" : [answer.fault, ...answer.lines].filter(Boolean).join(" ");
+    if (made) save(name, made.blob);
+  }
+
+  // `info`: of dea info --json; `line`: words of the run without its outputs; `times`: of its states; `page`: the frame of the run's page;
+  // `down`: is called once it is put down.
+  function start(info, line, files, times, page, down) {
     end();
     frame = page;
+    about = info;
+    names = info.unit_names;
     base = line;
     rows = [];
     past = [];
     const bodies = info.bodies.filter((b) => !b.ground), last = info.steps.at(-1), loads = last ? last.bodies : {};
-    const contacts = info.contacts, reach = Math.max(...contacts.flatMap((c) => [c.primary, c.secondary]).map((s) => Math.sqrt(s.area)), 1);
-    const groups = make("div", { class: "handles" });
+    const contacts = info.contacts, sides = contacts.flatMap((c) => [c.primary, c.secondary]).filter(Boolean), reach = Math.max(...sides.map((s) => Math.sqrt(s.area)), 1);
+    const groups = make("div", { class: "handles" }), frames = Object.keys(info.settings.frame || {});
+    const general = make("details", { open: times.length > 1 }, make("summary", { text: times.length > 1 ? "Time, law and axes" : "Law and axes" }));
+    if (times.length > 1) general.append(row({ key: "time", label: "state", unit: "", least: 0, most: times.length - 1, step: 1, start: times.length - 1, times }));
+    const law = contacts[0].law;
+    general.append(choice({ key: "law", label: "law", words: ["layer", "linear", "logarithmic", "neo-Hookean"].map((w) => [w, w]), start: law }));
+    if (frames.length) general.append(choice({ key: "axes", label: "axes of turns and moves", words: [["", "global"], ...frames.map((f) => [f, f])], start: "" }));
     place = make("section", { id: "hand", "aria-label": "The joint in the hand" }, make("h2", { text: "In the hand" }),
-      make("p", { class: "about", text: "Move a body, change its load or the cartilage: the map below follows. Coarse while a slider moves, exact once it rests: the numbers of the command line that stands below." }),
+      make("p", { class: "about", text: "Turn, move and load a body by its handles on the map or by the sliders, or change the cartilage: the map follows. Coarse while it moves, exact once it rests: the numbers of the command line that stands below." }),
       groups);
     for (const b of bodies) {
-      const of = make("details", { open: bodies.indexOf(b) === 0 }, make("summary", { text: b.name }));
-      ["x", "y", "z"].forEach((axis, i) => of.append(row({ key: "turn", body: b.name, axis: [0, 1, 2].map((k) => (k === i ? 1 : 0)), label: `turn about ${axis}`, unit: "°", least: -15, most: 15, step: 0.1, start: 0 })));
-      ["x", "y", "z"].forEach((axis) => of.append(row({ key: "move", body: b.name, label: `move along ${axis}`, unit: info.unit_names?.length || "", least: -0.05 * reach, most: 0.05 * reach, step: reach / 2000, start: 0 })));
+      const box = make("details", { open: bodies.indexOf(b) === 0 }, make("summary", { text: b.name })), whose = b.name;
+      ["x", "y", "z"].forEach((axis, i) => box.append(row({ key: "turn", whose, axis: unit(i), label: `turn about ${axis}`, unit: "°", least: -15, most: 15, step: 0.1, start: 0 })));
+      ["x", "y", "z"].forEach((axis) => box.append(row({ key: "move", whose, label: `move along ${axis}`, unit: names?.length || "", least: -0.05 * reach, most: 0.05 * reach, step: Number((reach / 2000).toPrecision(1)), start: 0 })));
+      const round = sides.some((s) => s.body === b.name);
+      box.append(choice({ key: "about", whose, label: "turn about the", words: [...(round ? [["sphere-center", "centre of its sphere"]] : []), ["com", "centre of mass"], ["0,0,0", "origin"]], start: round ? "sphere-center" : "com" }));
       const force = loads[b.name] && loads[b.name].force;
       if (force && force.some((x) => x !== 0)) {
-        const most = 2 * Math.hypot(...force);
-        ["x", "y", "z"].forEach((axis, i) => of.append(row({ key: "force", body: b.name, label: `force along ${axis}`, unit: info.unit_names?.force || "", least: -most, most, step: most / 400, start: force[i] })));
+        const size = Math.hypot(...force), most = 2 * size, step = Number((most / 400).toPrecision(1));
+        box.append(row({ key: "size", whose, label: "size of the force", unit: names?.force || "", least: 0, most, step, start: Number(size.toPrecision(6)) }));
+        ["x", "y", "z"].forEach((axis, i) => box.append(row({ key: "force", whose, label: `force along ${axis}`, unit: names?.force || "", least: -most, most, step, start: force[i] })));
       }
-      groups.append(of);
+      groups.append(box);
     }
     const cartilage = make("details", {}, make("summary", { text: "Cartilage" }));
-    const surfaces = new Set();
-    for (const c of contacts)
-      for (const s of [c.primary, c.secondary])
-        if (s && !s.rigid && s.E > 0 && !s.part && !surfaces.has(s.surface)) {
-          surfaces.add(s.surface);
-          cartilage.append(row({ key: "E", surface: s.surface, label: `E of ${s.surface}`, unit: info.unit_names?.pressure || "", least: s.E / 4, most: 4 * s.E, step: s.E / 100, start: s.E }));
-        }
+    const surfaces = new Map(sides.filter((s) => !s.rigid && s.E > 0 && !s.part).map((s) => [s.surface, s]));
+    for (const [surface, s] of surfaces) {
+      cartilage.append(row({ key: "E", surface, label: `E of ${surface}`, unit: names?.pressure || "", least: s.E / 4, most: 4 * s.E, step: Number((s.E / 100).toPrecision(1)), start: s.E }));
+      if (s.nu > 0) cartilage.append(row({ key: "nu", surface, label: `nu of ${surface}`, least: 0, most: 0.49, step: 0.01, start: s.nu }));
+    }
     if (surfaces.size) {
       cartilage.append(row({ key: "thick", label: "thickness, times", least: 0.3, most: 2, step: 0.01, start: 1 }));
       groups.append(cartilage);
     }
-    const command = make("pre", { id: "hand-line" });
-    place.append(make("div", { class: "controls" }, make("button", { id: "hand-undo", text: "Undo", disabled: true, onclick: undo }), make("button", { id: "hand-reset", text: "Reset", onclick: reset }),
-      make("button", { id: "hand-copy", text: "Copy as command", onclick: copy }), make("button", { id: "hand-down", text: "Put it down", onclick: () => { end(); down(); } }),
-      make("b", { id: "hand-what", role: "status" }), make("span", { class: "about", id: "hand-seconds" })),
-      make("ul", { id: "hand-remarks" }), make("div", { class: "wide" }, make("table", { id: "hand-numbers" })), make("p", { class: "about", id: "hand-bodies" }), command);
+    groups.prepend(general);
+    of("time").forEach(follow);
+    const loaded = bodies.find((b) => loads[b.name]?.force?.some((x) => x !== 0)) || bodies[0];
+    const grip = make("select", { id: "hand-body", onchange: draw }, ...bodies.map((b) => make("option", { value: b.name, text: b.name })), make("option", { value: "", text: "none" }));
+    grip.value = loaded.name;
+    const button = (id, text, onclick, more = {}) => make("button", { id, text, onclick, ...more });
+    place.append(make("div", { class: "controls" }, button("hand-undo", "Undo", undo, { disabled: true }), button("hand-reset", "Reset", reset),
+      make("label", {}, "Handles of ", grip),
+      button("hand-keep", "Keep this beside", keep), button("hand-copy", "Copy as command", () => copy($("hand-copy"), $("hand-line").textContent)),
+      button("hand-save", "Save case as .feb", () => saveCase(line[1], files), { title: "As dea convert does: for FEBio with the plugin" }),
+      button("hand-down", "Put it down", () => { end(); down(); }),
+      make("b", { id: "hand-what" }), make("span", { class: "about", id: "hand-seconds" })),
+      make("p", { id: "hand-other", role: "status" }), make("p", { id: "hand-said", role: "status", class: "unseen" }),
+      make("ul", { id: "hand-remarks" }), make("div", { class: "wide" }, make("table", { id: "hand-numbers" })), make("p", { class: "about", id: "hand-bodies" }),
+      make("pre", { id: "hand-line" }), make("p", { class: "about", id: "hand-kept" }), Plan.element());
     frame.before(place);
-    const failed = (text) => { $("hand-what").textContent = text; drawMap(null, ""); };
+    place.parentElement.classList.add("holding");
+    const failed = (text) => { $("hand-what").textContent = text; shown = null; draw(); };
     for (const kind of ["quick", "exact"]) workers[kind] = Program.stay(files, (answer) => hand && hand.answered(answer), failed);
-    hand = new Hand((q) => { $("hand-line").textContent = commandLine(words()); workers[q.quick ? "quick" : "exact"].ask(q); }, show);
+    hand = new Hand((q) => { $("hand-line").textContent = commandLine(words()); workers[q.quick ? "quick" : "exact"].ask(q); }, show, { again });
+    Plan.start({
+      rows: rows.filter((r) => typeof r.value === "number" && r.about.key !== "time"), words, files, contacts: contacts.map((c) => c.name), number, names,
+      tools: () => frame.contentWindow && frame.contentWindow.hold,
+      move(values) { for (const [r, x] of values) { r.value = stepped(r, x); follow(r); } hand.move(words()); }, rested,
+      line: () => base
+    });
     now = places();
     hand.set(words());
   }
-  return { start, end, get hand() { return hand; }, get rows() { return rows; }, words };
+  return { start, end, words, get hand() { return hand; }, get rows() { return rows; }, get shown() { return shown; } };
 })();

@@ -42,6 +42,7 @@ def main():
         "style": (here / "page.css").read_text(),
         "main": (here / "page.js").read_text(),
         "hand": (here / "hand.js").read_text(),
+        "plan": (here / "plan.js").read_text(),
         "live": (here / "live.js").read_text(),
         "packed": packed("code", code.read_bytes() + b"\n" + (here / "worker.js").read_bytes())
         + packed("module", module.read_bytes())

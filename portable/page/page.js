@@ -5,6 +5,17 @@ const fault = (text) => make("p", { class: "fault", text });
 
 // ---- what is packed in this page ----
 
+// What a page made by dea run --live has: files in base64 of a zlib stream, and words of their run.
+async function given() {
+  const bytes = (element) => Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
+  const files = [];
+  for (const element of document.querySelectorAll("script.given")) {
+    const plain = new Response(new Blob([bytes(element)]).stream().pipeThrough(new DecompressionStream("deflate")));
+    files.push(new File([await plain.blob()], element.dataset.name));
+  }
+  return { files, words: files.length ? JSON.parse(new TextDecoder().decode(bytes($("given-words")))) : [] };
+}
+
 // portable/page/make_page: gzip, then 13 bits in two characters.
 async function unpacked(id) {
   const text = $(id).textContent, bytes = new Uint8Array(Number($(id).dataset.bytes)), digit = (c) => c - (c > 60 ? 33 : 32);
@@ -150,7 +161,7 @@ const Files = (() => {
 
 const Form = (() => {
   // What the page sets itself, or has no use for here.
-  const own = ["--help", "-o", "--json", "--csv", "--report", "--no-xplt", "--overwrite", "--quiet", "--verbose", "--details", "--compress",
+  const own = ["--help", "-o", "--live", "--json", "--csv", "--report", "--no-xplt", "--overwrite", "--quiet", "--verbose", "--details", "--compress",
     "--vtu", "--threads", "--settings", "--error-on", "--compartments-csv", "--facets-csv"];
   const rows = [];  // { option, words(): what is typed, clear(), tables(names) }
   let infoOptions = new Set(), runOptions = infoOptions;
@@ -247,6 +258,8 @@ const Form = (() => {
     }
     return out;
   }
+  // Behind all that is set.
+  function say(words) { rows.find((r) => r.more).parts[0].value = words.map(quoted).join(" "); }
   const set = () => rows.some((r) => r.parts.some((p) => p.value.trim()));
   function clear() { rows.forEach((r) => r.clear()); mark(""); }
 
@@ -290,7 +303,7 @@ const Form = (() => {
       d.querySelector("summary span").textContent = n ? `${n} set` : "";
     }
   }
-  return { build, words, set, clear, suggest, tables, mark };
+  return { build, words, say, set, clear, suggest, tables, mark };
 })();
 
 // ---- recognise, solve, compare ----
@@ -383,7 +396,8 @@ function show(message) {
 }
 show.last = 0;
 
-async function solve() {
+// `handed`: once it is solved, it is taken in the hand.
+async function solve(handed = false) {
   if (solving || refused || !Files.list.length) return;
   let words;
   try { words = Form.words("run"); } catch (error) { tell("run", [error.message]); return; }
@@ -428,7 +442,7 @@ async function solve() {
     showAge();
     return;
   }
-  solved = { key, parts, line: compare ? null : ["run", typedName(model), ...words, ...settingsFile()], files };
+  solved = { key, parts, line: compare ? null : ["run", typedName(model), ...words, ...settingsFile()], files, take: handed };
   await showResult();
 }
 
@@ -462,22 +476,28 @@ async function showResult() {
   place.replaceChildren(make("p", { class: "fault", id: "age", hidden: true, text: "Settings or files have changed since: below is still the result of the command line that stands there. Solve again for the new one." }));
   for (const part of parts) place.append(await partElement(part));
   place.hidden = false;
-  takeInHand(place);
+  await takeInHand(place);
   showAge();
   place.focus({ preventScroll: true });
   place.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
   say(parts.some((p) => p.code === 1) ? "Solved, but not all results are solutions." : "Solved.");
 }
 
-// A run that has a page, of a model without tables: those have a state a row.
-function takeInHand(place) {
+// A run that has a page, of the model's own times.
+async function takeInHand(place) {
   const frame = place.querySelector("iframe"), { line, files, parts } = solved;
-  if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--(loads|motion|times-from|states)(=|$)/.test(w))) return;
-  const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: () => {
+  if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--times-from(=|$)/.test(w))) return;
+  const json = parts[0].made.find((m) => m.name === parts[0].words[parts[0].words.indexOf("--json") + 1].replace(/^\.\//, ""));
+  const times = JSON.parse(await json.blob.text()).states.map((s) => s.time);
+  const take = () => {
     button.hidden = true;
-    Live.start(recognised, line, files, frame, () => { button.hidden = false; button.focus(); });
-  } });
+    Live.start(recognised, line, files, times, frame, () => { button.hidden = false; button.focus(); });
+  };
+  const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: take });
   frame.before(make("p", {}, button));
+  if (!solved.take) return;
+  if (frame.contentWindow && frame.contentWindow.hold) take();
+  else frame.addEventListener("load", take, { once: true });
 }
 
 async function partElement({ title, words, code, fault: broken, lines, output, made = [] }) {
@@ -556,7 +576,7 @@ async function start() {
   $("choose").addEventListener("click", () => $("input").click());
   $("input").addEventListener("change", () => { const list = [...$("input").files]; $("input").value = ""; if (list.length) open(list); });
   $("sample").addEventListener("click", openSample);
-  $("solve").addEventListener("click", solve);
+  $("solve").addEventListener("click", () => solve());
   $("stop").addEventListener("click", () => stop());
   for (const name of ["dragenter", "dragover"]) document.addEventListener(name, (e) => { e.preventDefault(); $("drop").classList.add("over"); });
   document.addEventListener("dragleave", (e) => { if (!e.relatedTarget) $("drop").classList.remove("over"); });
@@ -573,5 +593,14 @@ async function start() {
   document.documentElement.dataset.ready = "true";
   const version = await Program.run(["--version"], []).done;
   $("version").textContent = (version.output || "").trim().split("\n").join("; ");
+  const { files, words } = await given();
+  if (!files.length) return;
+  $("sample").remove();
+  document.title = `${files[0].name.replace(/\.[^.]*$/, "")} in the hand`;
+  Form.say(words);
+  open(files);
+  clearTimeout(waiting);
+  await recognise();
+  await solve(true);
 }
 start();

@@ -54,16 +54,17 @@ async function begin({ module, words, files, live: stays }) {
     files.forEach(({ name }, i) => FS.writeFile(name, contents[i], { canOwn: true }));
     contents.length = 0;
     if (stays) {
-      // `ask`: a number of the asker's own. Answers { ask, code, text, pressure, lines, seconds }; text: of dea.live/1.
-      live = ({ ask, words, quick }) => {
+      // `ask`: a number of the asker's own; `from`: bodies of an earlier answer, or null. Answers { ask, code, text,
+      // pressure, lines, seconds, memory }; text: of dea.live/1.
+      live = ({ ask, words, quick, from }) => {
         const lines = [], asked = performance.now();
         tell = (line) => lines.push(line);
         try {
-          const code = dea.ccall("dea_live", "number", ["string", "number"], ["dea\n" + words.map((w) => w + "\n").join(""), quick ? 1 : 0]);
+          const code = dea.ccall("dea_live", "number", ["string", "number", "string"], ["dea\n" + words.map((w) => w + "\n").join(""), quick ? 1 : 0, from ? JSON.stringify(from) : ""]);
           const text = dea.ccall("dea_live_text", "string"), answer = text ? JSON.parse(text) : null;
           const count = answer ? answer.surfaces.reduce((n, s) => Math.max(n, s.begin + s.count), 0) : 0;
           const at = dea.ccall("dea_live_pressure", "number") >> 2, pressure = dea.HEAPF32.slice(at, at + count);
-          postMessage({ ask, code, text: answer, pressure, lines, seconds: (performance.now() - asked) / 1000 }, [pressure.buffer]);
+          postMessage({ ask, code, text: answer, pressure, lines, seconds: (performance.now() - asked) / 1000, memory: dea.HEAPU8.length }, [pressure.buffer]);
         } catch (error) {
           postMessage({ fault: `${why} ${error && error.message ? error.message : error}`.trim() });
         }

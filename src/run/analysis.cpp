@@ -90,24 +90,26 @@ bool any_turns(const LoadCase& load_case) {
 
 int last_step(const JointModel& model) { return static_cast<int>(model.steps.size()) - 1; }
 
-/// What is held stays where the settings place it, and a body that is placed starts there.
-void take_known_balance(const KnownBalance& known, const Joint& joint, const LoadCase& load_case,
+/// What is held stays where the settings place it, and a body that is placed starts there; `follow`: its free dofs do
+/// not.
+void take_known_balance(const KnownBalance& known, bool follow, const Joint& joint, const LoadCase& load_case,
                         StateSequence& sequence) {
   const std::vector<Pose> reference = reference_poses(joint);
   std::vector<Pose>& poses = sequence.start.poses;
   for (std::size_t b = 0; b < poses.size(); ++b) {
     const Pose& placed = sequence.placed[b];
-    if (placed.center != reference[b].center || placed.rotation != reference[b].rotation) continue;
+    const bool is_placed = placed.center != reference[b].center || placed.rotation != reference[b].rotation;
+    if (is_placed && !follow) continue;
     poses[b] = free_part(load_case.bodies[b], poses[b], known.poses[b]);
   }
   sequence.memory = known.memory;
 }
 
 /// From `known`; where that finds no solution, or none that is stable, from where the sequence starts.
-Equilibrium solve_from(const KnownBalance& known, const Prepared& prepared, const LoadCase& load_case,
+Equilibrium solve_from(const KnownBalance& known, bool follow, const Prepared& prepared, const LoadCase& load_case,
                        StateSequence& sequence) {
   const Start start = sequence.start;
-  take_known_balance(known, prepared.joint, load_case, sequence);
+  take_known_balance(known, follow, prepared.joint, load_case, sequence);
   Equilibrium found = solve_state(prepared, load_case, false, sequence);
   if (solved(found.outcome) && found.least_stiffness > 0) return found;
   sequence.start = start;
@@ -235,9 +237,10 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
       refuse_left_planes(model, joint, sequence.start.poses, state.when.time);
       continue;
     }
-    const bool may_be_known = first && !reference && times[i].step == last_step(model) && !any_turns(load_case);
+    const bool one_balance = times[i].step == last_step(model) && !any_turns(load_case);
+    const bool may_be_known = first && !reference && (options.follow || one_balance);
     const KnownBalance* known = may_be_known && options.known_balance ? options.known_balance() : nullptr;
-    state.equilibrium = known != nullptr ? solve_from(*known, prepared, load_case, sequence)
+    state.equilibrium = known != nullptr ? solve_from(*known, options.follow, prepared, load_case, sequence)
                                          : solve_state(prepared, load_case, reference, sequence);
     first = false;
     end_state(sequence, state.equilibrium, options.equilibrium);

@@ -61,6 +61,9 @@ struct AnalysisOptions {
   /// them). Its free dofs count, of bodies that are not placed. A state that is not solved or not stable from there is
   /// searched from the starting poses, as without it.
   std::function<const KnownBalance*()> known_balance;
+  /// known_balance counts in every step, and of bodies that are free to turn or placed, too: answers follow a hand, and
+  /// where there are several balances they may stay at another than a search from the start finds.
+  bool follow = false;
 };
 
 /// Fills fields, statistics and, unless `inside` is null, the inside of a state whose equilibrium has its springs.

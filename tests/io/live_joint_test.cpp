@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "io/feb/read_feb.h"
+#include "io/files/encoded_text.h"
+#include "io/files/output.h"
 #include "io/run/wanted_states.h"
 #include "io/settings/settings_xml.h"
 #include "io/tables/read_tables.h"
@@ -13,8 +15,10 @@
 #include "src/base/numbers.h"
 #include "src/model/settings_table.h"
 #include "src/run/analysis.h"
+#include "tests/program.h"
 #include "views/data/run_json.h"
 #include "views/live/live_joint.h"
+#include "views/page/live_page.h"
 
 namespace dea::live_joint_test {
 
@@ -75,14 +79,18 @@ TEST(LiveJoint, AnswersAsTheRunDoes) {
   }
 }
 
-/// A quick answer starts from the last one, and is that of springs that know nothing of each other.
+/// A quick answer starts from the one before, and is that of springs that know nothing of each other.
 TEST(LiveJoint, QuickAnswersAreThoseOfLawLinear) {
   LiveJoint live;
   const std::string model = "/hip/hip_walking.feb";
   int before = 0;
+  Json from;
   for (int step = 0; step < 6; ++step) {
     const std::string force = fmt::format("femur={},-262,1834", 430 + 4 * step);
-    const LiveAnswer quick = live_answer(live, asked(model, {{"force", force}}, true));
+    LiveRequest request = asked(model, {{"force", force}}, true);
+    request.from = from;
+    const LiveAnswer quick = live_answer(live, request);
+    from = quick.text["bodies"];
     const Json exact = run_of(asked(model, {{"force", force}, {"law", "linear"}}));
     const Json &mine = quick.text["state"]["contacts"][0], &of_run = exact["contacts"][0];
     for (const char* number : {"p99", "mean", "area"})
@@ -95,6 +103,62 @@ TEST(LiveJoint, QuickAnswersAreThoseOfLawLinear) {
       EXPECT_LT(iterations, before);
     }
   }
+}
+
+/// Of bodies that are free to turn, too: the same balance, sooner.
+TEST(LiveJoint, AnswersFollowFromWhereTheBodiesAre) {
+  LiveJoint live;
+  const std::string model = "/knee/knee.feb";
+  for (const bool quick : {true, false}) {
+    const LiveAnswer before = live_answer(live, asked(model, {}, quick));
+    LiveRequest request = asked(model, {{"E", "9.1"}}, quick);
+    const Json cold = live_answer(live, request).text;
+    request.from = before.text["bodies"];
+    const Json warm = live_answer(live, request).text;
+    EXPECT_LT(warm["state"]["iterations"].get<int>(), cold["state"]["iterations"].get<int>()) << quick;
+    for (std::size_t b = 0; b < cold["bodies"].size(); ++b)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(warm["bodies"][b]["center"][k].get<double>(), cold["bodies"][b]["center"][k].get<double>(),
+                    quick ? 0.02 : 5e-3);  // a soft direction: 1e-6 of the load is 2e-3 mm
+  }
+}
+
+/// The held dofs of a body that the hand has turned are where the hand has them.
+TEST(LiveJoint, APlacedBodyFollowsInItsFreeDofsOnly) {
+  LiveJoint live;
+  const std::string model = "/hip/hip_walking.feb";
+  const LiveAnswer before = live_answer(live, asked(model, {}));
+  LiveRequest request = asked(model, {{"rotate", "femur=1,0,0,2"}});
+  const Json exact = live_answer(live, request).text;
+  request.from = before.text["bodies"];
+  const Json follows = live_answer(live, request).text;
+  EXPECT_EQ(follows["bodies"][0]["rotation"].size(), 3u);
+  for (std::size_t b = 0; b < exact["bodies"].size(); ++b) {
+    EXPECT_EQ(follows["bodies"][b]["rotation"], exact["bodies"][b]["rotation"]);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(follows["bodies"][b]["center"][k].get<double>(), exact["bodies"][b]["center"][k].get<double>(), 1e-6);
+  }
+}
+
+/// The page that solves gets a joint in place of its sample: the files' bytes and the words, whatever is in them.
+TEST(LiveJoint, APageHasTheFilesAndTheWords) {
+  const test::TemporaryFolder folder;
+  const std::string program = (folder.path / "dea.html").string(), table = (folder.path / "a table.csv").string();
+  write_text(program,
+             "<html>\n<script type=\"text/plain\" id=\"sample-model\" data-bytes=\"3\" "
+             "data-name=\"x.feb\">abc</script>\n<script>rest</script>\n</html>\n");
+  write_text(table, "time,x\n0,</script>\n");
+  const std::string page = live_page(program, {{"a \"b\".csv", table}}, {"--E", "femur </script>=9"});
+  const auto part = [&](const std::string& before) {
+    const std::size_t begin = page.find(before) + before.size();
+    return bytes_of_base64(page.substr(begin, page.find("</script>", begin) - begin)).value();
+  };
+  EXPECT_EQ(unpacked_bytes(part("class=\"given\" data-name=\"a &quot;b&quot;.csv\">")), "time,x\n0,</script>\n");
+  EXPECT_EQ(Json::parse(part("id=\"given-words\">")), Json::array({"--E", "femur </script>=9"}));
+  EXPECT_EQ(page.find("abc"), std::string::npos);
+  EXPECT_NE(page.find("\n<script>rest</script>\n</html>\n"), std::string::npos);
+  EXPECT_THROW(live_page(table, {}, {}), InputError);
+  EXPECT_THROW(live_page(program, {{"x", (folder.path / "none").string()}}, {}), InputError);
 }
 
 TEST(LiveJoint, AFaultIsThatOfTheRunAndChangesNothing) {

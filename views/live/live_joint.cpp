@@ -1,5 +1,6 @@
 #include "views/live/live_joint.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <utility>
@@ -18,6 +19,33 @@ std::shared_ptr<const ReadyJoint> quick_joint(LiveJoint& live, const LiveRequest
   if (!own->prepared.joint.parts.empty()) return own;
   settings.law = Law::Linear;
   return live.joints.get(request.model, settings, nullptr);
+}
+
+/// Does what loads and moves the bodies at this time depend on where they were before?
+bool counts_from_before(const ReadyJoint& ready, const Settings& settings, const TimePoint& when) {
+  const Joint& joint = ready.prepared.joint;
+  const std::vector<Pose> start = starting_poses(ready.model, joint, settings);
+  const LoadCase load_case = when.row >= 0 ? make_row_case(ready.model, joint, settings, when.row, start, start)
+                                           : make_load_case(ready.model, joint, settings, when.step, when.time);
+  return std::any_of(load_case.bodies.begin(), load_case.bodies.end(), [](const BodyConditions& b) {
+    return b.on_reaction || std::find(b.relative.begin(), b.relative.end(), true) != b.relative.end();
+  });
+}
+
+/// Where the bodies of an earlier answer are. A body that it has not is where it is in the model.
+KnownBalance balance_of(const Json& from, const Joint& joint) {
+  KnownBalance known{reference_poses(joint), {}};
+  for (const Json& body : from)
+    for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+      if (body["name"] != joint.bodies[b].name) continue;
+      Eigen::Matrix3d turned;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) turned(i, j) = body["rotation"][at(i)][at(j)].get<double>();
+        known.poses[b].center[i] = body["center"][at(i)].get<double>();
+      }
+      known.poses[b].rotation = turned * known.poses[b].rotation;
+    }
+  return known;
 }
 
 Json matrix_json(const Eigen::Matrix3d& m) {
@@ -81,25 +109,27 @@ LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
   const std::shared_ptr<const ReadyJoint> ready =
       request.quick ? quick_joint(live, request, settings) : live.joints.get(request.model, settings, nullptr);
   const Joint& joint = ready->prepared.joint;
-  const bool quick = request.quick && joint.parts.empty();
   ReadyCase of = ready_case(*ready, settings, request.outputs);
   AnalysisOptions solving;
   solving.times = of.states.times;
   solving.keep_state = of.states.wanted;
   solving.displacements = false;
-  const std::string key = request.model + joint_key(of.settings);
-  if (quick) {
+  if (request.quick) {
     constexpr double kQuick = 1e-3;  // of the load
     solving.equilibrium.tolerance = kQuick;
-    if (live.quick_joint == key && live.quick_balance) solving.known_balance = [&live] { return &*live.quick_balance; };
+  }
+  KnownBalance known;
+  if (!request.from.is_null()) {
+    known = balance_of(request.from, joint);
+    solving.known_balance = [&known] { return &known; };
+    solving.follow = true;
+    if (!counts_from_before(*ready, of.settings, solving.times.back())) {
+      solving.times = {solving.times.back()};
+      solving.keep_state = {1};
+    }
   }
   const SolvedStates solved_states = solve_states(ready->model, of.settings, ready->prepared, ready->maps, solving);
   const StateResult& state = solved_states.states.back();
-  if (quick) {
-    live.quick_joint = key;
-    live.quick_balance.reset();
-    if (solved(state.equilibrium.outcome)) live.quick_balance = KnownBalance{state.equilibrium.poses, {}};
-  }
   if (live.drawn_model != request.model) {
     live.drawn_model = request.model;
     live.drawn.clear();
@@ -109,7 +139,7 @@ LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
   add_once(findings, ready->warnings);
   add_once(findings, warnings(result_findings(ready->model, joint, solved_states)));
   answer.text = {{"schema", "dea.live/1"},
-                 {"quick", quick},
+                 {"quick", request.quick},
                  {"solved", solved(state.equilibrium.outcome)},
                  {"state", state_json(ready->model, joint, state)},
                  {"bodies", bodies_json(joint, state.equilibrium.poses)},

@@ -2,7 +2,6 @@
 // cartilage that change from moment to moment.
 #pragma once
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,10 +19,12 @@ struct LiveRequest {
   std::string model;  ///< path
   Settings settings;
   OutputSettings outputs;  ///< `states` alone counts
-  /// While the hand moves: springs of law linear that know nothing of each other, balanced to a thousandth of the load,
-  /// searched from the last quick answer where no body is free to turn. Of a joint with parts that give way there is
-  /// none: it is answered as it is.
+  /// While the hand moves: springs of law linear that know nothing of each other (of a joint with parts that give way
+  /// those that it has), balanced to a thousandth of the load.
   bool quick = false;
+  /// `bodies` of an earlier answer, from where the balance is searched, and without states on the way that nothing
+  /// counts from; null: as `dea run` does.
+  Json from;
 };
 
 struct LiveAnswer {
@@ -35,11 +36,9 @@ struct LiveAnswer {
   std::vector<float> pressure;  ///< of facets, in the order of the model's surfaces
 };
 
-/// Joints that stay ready between answers, and where the last quick one ended.
+/// Joints that stay ready between answers.
 struct LiveJoint {
   ReadyJoints joints{kBytes};
-  std::string quick_joint;  ///< which it was of: model and joint_key
-  std::optional<KnownBalance> quick_balance;
   /// Surfaces as maps draw them, of one model, by their names.
   struct Drawn {
     ResultSurface surface;
@@ -50,8 +49,8 @@ struct LiveJoint {
   static constexpr double kBytes = 1e9;
 };
 
-/// The answer that is not quick has the numbers of `dea run` of the same settings, by the same search from the same
-/// start. Throws UsageError and InputError as that does.
+/// An answer that is not quick and from nowhere has the numbers of `dea run` of the same settings, by the same search
+/// from the same start. Throws UsageError and InputError as that does.
 LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request);
 
 }  // namespace dea

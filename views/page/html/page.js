@@ -94,7 +94,7 @@ const Page = (() => {
   // Panels: compare: a result each and a difference; run: a quantity each.
   function layPanels() {
     const host = $("panels"), s = state.surface;
-    const of = (surface) => available().filter((q) => surface.fields[q][0]).map((q) => ({ result: 0, quantity: q, surface }));
+    const of = (surface) => (state.held ? heldPanels(surface) : available().filter((q) => surface.fields[q][0]).map((q) => ({ result: 0, quantity: q, surface })));
     const wanted = compared ? results.map((r, i) => ({ result: i, quantity: state.quantity, surface: s })) : shown().flatMap(of);
     if (compared) wanted.push({ difference: true, quantity: state.quantity, surface: s });
     const count = state.beside ? Math.max(...shown().map((x) => of(x).length)) : wanted.length;  // a surface below the other
@@ -114,7 +114,8 @@ const Page = (() => {
         name.push(chooser);
         p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
       } else {
-        const title = compared ? results[w.result].label : quantities[w.quantity].head + (state.beside ? `, ${w.surface.about.title}` : "");
+        const what = { beside: "Kept", difference: "In the hand − kept" }[w.held] || (state.held ? "In the hand" : quantities[w.quantity].head);
+        const title = compared ? results[w.result].label : what + (state.beside ? `, ${w.surface.about.title}` : "");
         name.push(make("h3", { text: title }));
         if (compared && w.result === last) name.push(make("span", { class: "role", text: "reference" }));
         p.title = () => title;
@@ -132,31 +133,40 @@ const Page = (() => {
   }
 
   const shown = () => (state.beside ? [state.surface, state.beside] : [state.surface]);
-  // A page around this one may put a state of its own in place of all of these: { note, surfaces: by their names
-  // { values: pressures per facet, edge } }; null: none. Nothing of this page's own states is shown then.
+  // A page around this one may put a pressure of its own in place of all these states: { note, surfaces: by their names
+  // { values: per facet, edge }; beside: surfaces of another one, or null; handles, onhandle: see Maps }; null: none.
+  // Nothing of this page's own states is shown then.
   function hold(held) {
+    const kind = (h) => (h ? (h.beside ? 2 : 1) : 0), other = kind(held) !== kind(state.held);
     state.held = held;
     if (held) document.documentElement.dataset.held = "true";
     else delete document.documentElement.dataset.held;
+    maps.handles = (held && held.handles) || [];
+    maps.onhandle = held ? held.onhandle : null;
     nodalCache.clear();
-    update();
+    if (other && state.surface) layPanels(); else update();
   }
-  const heldOf = (q, s) => (q === "pressure" && state.held.surfaces.get(s.about.names[0])) || { values: null, edge: null };
-  const values = (q, i, s = state.surface) => {
-    if (state.held) return heldOf(q, s).values;
+  const heldPanels = (surface) => (state.held.beside ? ["now", "beside", "difference"] : ["now"]).map((held) => ({ result: 0, quantity: "pressure", surface, held }));
+  const heldOf = (q, s, which) => {
+    const surfaces = which === "beside" ? state.held.beside : state.held.surfaces;
+    return (q === "pressure" && surfaces && surfaces.get(s.about.names[0])) || { values: null, edge: null };
+  };
+  // `which`: of what is held, "beside", or what is there now.
+  const values = (q, i, s = state.surface, which = "now") => {
+    if (state.held) return heldOf(q, s, which).values;
     const f = s.fields[q][i];
     return f ? f.state(Report.frames[state.frame].states[i]) : null;
   };
-  const edge = (q, i, s = state.surface) => {
-    if (state.held) return heldOf(q, s).edge;
+  const edge = (q, i, s = state.surface, which = "now") => {
+    if (state.held) return heldOf(q, s, which).edge;
     const f = s.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null;
   };
   const nodalCache = new Map();
-  function nodal(q, i, s = state.surface) {
-    const key = [s.index, q, i, Report.frames[state.frame].states[i]].join();
+  function nodal(q, i, s = state.surface, which = "now") {
+    const key = [s.index, q, i, which, Report.frames[state.frame].states[i]].join();
     if (!nodalCache.has(key)) {
       if (nodalCache.size > 40) nodalCache.clear();
-      const v = values(q, i, s);
+      const v = values(q, i, s, which);
       nodalCache.set(key, v ? Data.nodalAverage(s.meshes[i], v) : null);
     }
     return nodalCache.get(key);
@@ -188,7 +198,8 @@ const Page = (() => {
     scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
     if (state.held && q === "pressure")
       for (const s of shown())
-        for (const x of values(q, 0, s) || []) if (x > scale.most) { scale.most = scale.highest = x; scale.level = scaleStep(scale.least, x); }
+        for (const which of ["now", "beside"])
+          for (const x of values(q, 0, s, which) || []) if (x > scale.most) { scale.most = scale.highest = x; scale.level = scaleStep(scale.least, x); }
     const most = said(q);
     if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
     scale.zero = scale.least < 0;  // a line at 0
@@ -224,10 +235,26 @@ const Page = (() => {
     return withEnds({ ...scale, map: "diverging", noneText: q === "pressure" ? "no contact" : "", title: Format.axis(`difference of ${about.title}`, about.dimension) });
   }
 
+  // What is in the hand, less what is beside it.
+  function heldDifference(s) {
+    const now = values("pressure", 0, s), kept = values("pressure", 0, s, "beside"), out = { mesh: s.meshes[0], facets: null, vertices: null, shown: () => true };
+    if (!now || !kept) return { what: { ...out, scale: null }, most: 0, message: "no difference: one of them has no solution" };
+    const a = nodal("pressure", 0, s), b = nodal("pressure", 0, s, "beside"), lines = a.map((x, k) => (x > 0 || b[k] > 0 ? x - b[k] : NaN));
+    if (!state.smooth) Object.assign(out, { facets: now.map((x, k) => x - kept[k]), lines, shown: (x, k) => now[k] > 0 || kept[k] > 0 });
+    else Object.assign(out, { vertices: a.map((x, k) => x - b[k]), over: [Data.above(a, edge("pressure", 0, s)), Data.above(b, edge("pressure", 0, s, "beside"))] });
+    return { what: out, most: (out.facets || out.vertices).reduce((m, x) => Math.max(m, Math.abs(x)), 0), message: "" };
+  }
+  function heldDifferenceScale(most) {
+    const end = most > 0 ? most : 1;
+    return withEnds({ ...scaleOfNumbers([-end, end, scaleStep(0, end), -end, end]), map: "diverging", noneText: "no contact", title: Format.axis("in the hand − kept", "pressure") });
+  }
+
   // What the panels show at this state.
   function update() {
     if (!state.surface) return;
     const scales = new Map(), moves = motions();
+    const differences = new Map(panels.filter((p) => p.held === "difference").map((p) => [p, heldDifference(p.surface)]));
+    const mostOfAll = Math.max(0, ...[...differences.values()].map((d) => d.most));
     for (const p of panels) {
       const s = p.surface;
       p.message = "";
@@ -239,16 +266,20 @@ const Page = (() => {
         scale = differenceScale(p.quantity);
         p.message = what.message;
         scales.set("difference", scale);
+      } else if (p.held === "difference") {
+        ({ what, message: p.message } = differences.get(p));
+        scale = heldDifferenceScale(mostOfAll);
+        scales.set("difference", scale);
       } else {
         if (!scales.has(p.quantity)) scales.set(p.quantity, scaleOf(p.quantity));
         scale = scales.get(p.quantity);
-        const v = values(p.quantity, p.result, s), q = quantities[p.quantity];
+        const v = values(p.quantity, p.result, s, p.held), q = quantities[p.quantity];
         what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
-        if (!v && state.held) p.message = p.quantity === "pressure" ? "no solution here" : "left out while the joint is in the hand";
+        if (!v && state.held) p.message = "no solution here";
         else if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
         else {
-          const averages = nodal(p.quantity, p.result, s);
-          what.from = edge(p.quantity, p.result, s);
+          const averages = nodal(p.quantity, p.result, s, p.held);
+          what.from = edge(p.quantity, p.result, s, p.held);
           if (!state.smooth) Object.assign(what, { facets: v, lines: averages });
           else Object.assign(what, { vertices: averages }, what.from === null ? {} : { over: [Data.above(averages, what.from)] });
         }
@@ -309,12 +340,12 @@ const Page = (() => {
       const q = quantities[p.quantity], m = p.what && p.what.mesh;
       if (maps.hover && p.hit && m && !p.message) {
         const hit = p.hit, node = `node ${m.nodes[hit.vertex]}`, facet = `facet ${hit.facet + 1}`, rows = [];
-        const facetValue = (quantity, i) => { const v = values(quantity, i, p.surface); return v ? v[hit.facet] : null; };
-        if (p.difference) {
+        const facetValue = (quantity, i) => { const v = values(quantity, i, p.surface, p.held); return v ? v[hit.facet] : null; };
+        if (p.difference || p.held === "difference") {
           const w = p.what, x = w.facets ? w.facets[hit.facet] : w.vertices[hit.vertex];
           rows.push(line(w.facets ? facet : node, bold(Format.with(x, q.dimension))));
         } else {
-          const x = facetValue(p.quantity, p.result), n = nodal(p.quantity, p.result, p.surface);
+          const x = facetValue(p.quantity, p.result), n = nodal(p.quantity, p.result, p.surface, p.held);
           const t = p.quantity === "thickness" ? null : facetValue("thickness", p.result);
           rows.push(line(facet, bold(Format.with(x, q.dimension)), t === null ? null : `thickness ${Format.with(t, "length", 3)}`));
           rows.push([make("br"), ...line(`${node}, average ${Format.with(n[hit.vertex], q.dimension)}`)]);
@@ -444,6 +475,6 @@ const Page = (() => {
   }
   startPage(start);
 
-  window.hold = hold;
+  window.hold = Object.assign(hold, { css: Colours.css, bar: paintBar, step: scaleStep, theme: () => state.theme });
   return { state, maps, setFrame, setSurface, update, get panels() { return panels; } };
 })();

@@ -48,6 +48,12 @@ class Maps {
     this.plain = false;    // drawn without the veil, for speed
     this.loading = false;  // the veil
     this.fault = "";
+    // Of a body that is moved by hand: { key, kind: "move", "turn" or "load", at, axis (of length 1), size (load: 0 to 1),
+    // text, colour (of ink.series; null: ink) }. onhandle(handle, change, ended): along the axis, or about it in radians;
+    // load: the axis as it now is.
+    this.handles = [];
+    this.onhandle = null;
+    this.grabbed = null;
     try {
       this.canvas = document.createElement("canvas");
       const context = this.canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: false });
@@ -412,6 +418,7 @@ class Maps {
         c.stroke();
       });
     }
+    this.drawHandles(panel, c, width, height, k, length, ink);
     if (this.hover && panel.hit) {
       const [px, py] = this.toScreen(panel.hit.point, width, height), r = 9 * k;
       halo(() => {
@@ -434,6 +441,90 @@ class Maps {
       c.globalAlpha = 0.9; c.fillStyle = ink.paper; c.fillRect(width / 2 - w / 2, height / 2 - 14 * k, w, 28 * k);
       c.globalAlpha = 1; c.fillStyle = ink.ink; c.fillText(panel.message, width / 2, height / 2, width - 10 * k);
     }
+  }
+
+  // ---- handles ----
+  // Points of a handle's line, its tip last; `length`: of the model per pixel, as handleLength has it.
+  handleLine(handle, length) {
+    const at = new THREE.Vector3(...handle.at), axis = new THREE.Vector3(...handle.axis);
+    if (handle.kind !== "turn") return [at, at.clone().addScaledVector(axis, length * (handle.kind === "move" ? 78 : 60 + 50 * handle.size))];
+    const u = new THREE.Vector3(Math.abs(axis.x) < 0.8 ? 1 : 0, Math.abs(axis.x) < 0.8 ? 0 : 1, 0).cross(axis).normalize(), v = axis.clone().cross(u);
+    return Array.from({ length: 73 }, (_, i) => at.clone().addScaledVector(u, 100 * length * Math.cos(i * Math.PI / 36)).addScaledVector(v, 100 * length * Math.sin(i * Math.PI / 36)));
+  }
+  // Of the model per pixel of a handle: smaller in a small panel. `width`, `height`: in CSS pixels; `length`: of the model for one.
+  handleLength(width, height, length) { return length * Math.min(1, Math.min(width, height) / 460); }
+  // The handles that can be grabbed in a panel, with their lines in its pixels. `length` as of aim().
+  placedHandles(panel, width, height, k, length) {
+    if (!this.onhandle || panel.held !== "now") return [];
+    return this.handles.map((handle) => ({ handle, line: this.handleLine(handle, this.handleLength(width / k, height / k, k * length)).map((p) => this.toScreen(p.toArray(), width, height)) }));
+  }
+  drawHandles(panel, c, width, height, k, length, ink) {
+    for (const { handle, line } of this.placedHandles(panel, width, height, k, length)) {
+      const near = (this.grabbed || this.near) === handle.key, colour = handle.colour === null ? ink.ink : ink.series[handle.colour], tip = line[line.length - 1];
+      const trace = () => { c.beginPath(); line.forEach(([x, y], i) => (i ? c.lineTo(x, y) : c.moveTo(x, y))); c.stroke(); };
+      c.lineJoin = "round";
+      for (const [stroke, wide] of [[ink.paper, 3], [colour, 0]]) {
+        c.strokeStyle = c.fillStyle = stroke;
+        c.lineWidth = ((handle.kind === "load" ? 3.4 : near ? 3 : 1.8) + wide) * k;
+        trace();
+        if (handle.kind === "turn") continue;
+        const angle = Math.atan2(tip[1] - line[0][1], tip[0] - line[0][0]), size = (handle.kind === "load" ? 13 : 10) * k;
+        c.beginPath();
+        for (const turn of [0, 2.5, -2.5]) c.lineTo(tip[0] + size * Math.cos(angle + turn), tip[1] + size * Math.sin(angle + turn));
+        c.closePath();
+        if (wide) c.stroke(); else c.fill();
+      }
+      if (!handle.text) continue;
+      const place = handle.kind === "turn" ? line[9] : tip, out = Math.hypot(place[0] - line[0][0], place[1] - line[0][1]) || 1;
+      c.textAlign = "center"; c.textBaseline = "middle"; c.lineWidth = 3 * k;
+      c.strokeStyle = ink.paper;
+      const [x, y] = handle.kind === "turn" ? place : [tip[0] + 20 * k * (tip[0] - line[0][0]) / out, tip[1] + 20 * k * (tip[1] - line[0][1]) / out];
+      c.strokeText(handle.text, x, y);
+      c.fillText(handle.text, x, y);
+    }
+  }
+  // The handle under a pointer, and where along its line. `reach`: in CSS pixels.
+  handleAt(panel, x, y, width, height, reach) {
+    const length = this.aim(width, height, panel.offset);
+    let best = null;
+    for (const { handle, line } of this.placedHandles(panel, width, height, 1, length)) {
+      for (let i = 0; i + 1 < line.length; ++i) {
+        const [ax, ay] = line[i], dx = line[i + 1][0] - ax, dy = line[i + 1][1] - ay, all = dx * dx + dy * dy || 1;
+        // an arrow is grabbed by its outer part: at the foot there are others
+        const t = Math.min(1, Math.max(handle.kind === "turn" ? 0 : 0.45, ((x - ax) * dx + (y - ay) * dy) / all));
+        const far = Math.hypot(x - ax - t * dx, y - ay - t * dy);
+        if (far <= reach && (!best || far < best.far)) best = { handle, far, along: i + t };
+      }
+    }
+    return best;
+  }
+  // The pointer has dragged what it has grabbed by (dx, dy) CSS pixels.
+  dragHandle(panel, grab, dx, dy, width, height) {
+    const handle = this.handles.find((h) => h.key === grab.key);
+    if (!handle) return;
+    const length = this.aim(width, height, panel.offset), at = new THREE.Vector3(...handle.at), size = this.handleLength(width, height, length);
+    const screen = (p) => this.toScreen(p.toArray(), width, height);
+    if (handle.kind === "load") {
+      const right = new THREE.Vector3(1, 0, 0).applyQuaternion(this.orientation), up = new THREE.Vector3(0, 1, 0).applyQuaternion(this.orientation);
+      const tip = this.handleLine(handle, size)[1].addScaledVector(right, dx * length).addScaledVector(up, -dy * length).sub(at);
+      if (tip.length() > 0) this.onhandle(handle, tip.normalize().toArray(), false);
+      return;
+    }
+    // how far its line goes on the screen per unit of its motion
+    let a, b, step;
+    if (handle.kind === "move") {
+      step = length;
+      [a, b] = [at, at.clone().addScaledVector(new THREE.Vector3(...handle.axis), step)].map(screen);
+    } else {
+      const line = this.handleLine(handle, size), i = ((Math.round(grab.along) % 72) + 72) % 72;
+      step = Math.PI / 18;
+      [a, b] = [line[(i + 71) % 72], line[(i + 1) % 72]].map(screen);
+    }
+    const sx = (b[0] - a[0]) / step, sy = (b[1] - a[1]) / step, all = sx * sx + sy * sy, whole = handle.kind === "move" ? 1 / length : 100 * size / length;
+    if (all < 0.04 * whole * whole) return;  // it points at the viewer
+    const change = (dx * sx + dy * sy) / all;
+    if (handle.kind === "turn") grab.along += change * 36 / Math.PI;
+    this.onhandle(handle, change, false);
   }
 
   // Where the axes point.
@@ -535,19 +626,39 @@ class Maps {
   wire(panel) {
     panel.wired = true;
     const canvas = panel.canvas, pointers = new Map();
-    let spread = 0;
+    let spread = 0, grab = null;
+    const release = () => {
+      if (!grab) return;
+      const handle = this.handles.find((h) => h.key === grab.key);
+      grab = this.grabbed = null;
+      if (handle && this.onhandle) this.onhandle(handle, null, true);
+      this.request();
+    };
     canvas.addEventListener("pointerdown", (e) => {
       pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
+      release();
+      const under = pointers.size === 1 && e.button === 0 && !e.shiftKey ? this.handleAt(panel, e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight, e.pointerType === "touch" ? 20 : 9) : null;
+      if (under) {
+        grab = { key: under.handle.key, along: under.along };
+        this.grabbed = grab.key;
+      }
       try { canvas.setPointerCapture(e.pointerId); } catch (error) { /* a pointer that is gone already */ }
       if (pointers.size === 2) spread = this.spread(pointers);
     });
     canvas.addEventListener("pointermove", (e) => {
       if (!pointers.has(e.pointerId)) {
+        const under = this.handles.length ? this.handleAt(panel, e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight, 9) : null;
+        this.near = under && under.handle.key;
+        canvas.style.cursor = under ? "pointer" : "";
         this.pick(e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight);
         return;
       }
       const [x, y] = pointers.get(e.pointerId), dx = e.offsetX - x, dy = e.offsetY - y;
       pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
+      if (grab && pointers.size === 1) {
+        this.dragHandle(panel, grab, dx, dy, canvas.clientWidth, canvas.clientHeight);
+        return;
+      }
       if (pointers.size === 2) {
         const now = this.spread(pointers);
         if (spread > 0 && now > 0) this.enlarge(now / spread);
@@ -563,6 +674,7 @@ class Maps {
     for (const end of ["pointerup", "pointercancel"])
       canvas.addEventListener(end, (e) => {
         pointers.delete(e.pointerId);
+        release();
         if (e.pointerType === "touch" && pointers.size === 0) this.pick(e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight);
       });
     canvas.addEventListener("pointerleave", () => { if (pointers.size === 0) this.unpick(); });
