@@ -47,13 +47,19 @@ const Live = (() => {
     rows.push(r);
     return r.element;
   }
-  // A word of several. `what`: { key, label, words: [[value, text]], start }.
+  // A word of several. `what`: { key, label, words: [[value, text]], start, like: what else may be typed }.
   function choice(what) {
-    const id = `hand-${rows.length}`, select = make("select", { id }, ...what.words.map(([value, text]) => make("option", { value, text })));
-    select.value = what.start;
-    const r = { about: what, get value() { return select.value; }, set value(x) { select.value = x; }, element: null };
-    select.addEventListener("change", () => { hand.set(words()); rested(); });
-    r.element = make("div", { class: "handle" }, make("label", { for: id, text: what.label }), select, make("span"), make("span"));
+    const id = `hand-${rows.length}`, options = what.words.map(([value, text]) => make("option", { value, text }));
+    const control = what.like ? make("input", { type: "text", id, list: id + "-list", spellcheck: "false" }) : make("select", { id }, ...options);
+    control.value = what.start;
+    const r = { about: what, get value() { return control.value; }, set value(x) { control.value = x; }, element: null };
+    control.addEventListener("change", () => {
+      control.value = control.value.replaceAll(" ", "");
+      if (what.like && !what.like.test(control.value)) control.value = what.start;
+      hand.set(words());
+      rested();
+    });
+    r.element = make("div", { class: "handle" }, make("label", { for: id, text: what.label }), control, what.like ? make("datalist", { id: id + "-list" }, ...options) : null);
     rows.push(r);
     return r.element;
   }
@@ -99,7 +105,7 @@ const Live = (() => {
     const say = (option, key, value) => { line = without(line, option, key); said.push(option, key === null ? value : `${key}=${value}`); };
     for (const body of new Set(of("turn").map((r) => r.about.whose))) {
       const turns = of("turn", body).filter((r) => at(r) !== 0), about = one("about", body);
-      if (turns.length && about.value !== about.about.start) say("--rotate-about", body, about.value);
+      if (turns.length && about.value !== "sphere-center") say("--rotate-about", body, about.value);
       for (const r of turns) said.push("--rotate", `${body}=${framed}${r.about.axis.join()},${text(at(r))}`);
       const moves = of("move", body);
       if (moves.some((r) => at(r) !== 0)) said.push("--move", `${body}=${framed}${moves.map((r) => text(at(r))).join()}`);
@@ -293,8 +299,10 @@ const Live = (() => {
       const box = make("details", { open: bodies.indexOf(b) === 0 }, make("summary", { text: b.name })), whose = b.name;
       ["x", "y", "z"].forEach((axis, i) => box.append(row({ key: "turn", whose, axis: unit(i), label: `turn about ${axis}`, unit: "°", least: -15, most: 15, step: 0.1, start: 0 })));
       ["x", "y", "z"].forEach((axis) => box.append(row({ key: "move", whose, label: `move along ${axis}`, unit: names?.length || "", least: -0.05 * reach, most: 0.05 * reach, step: Number((reach / 2000).toPrecision(1)), start: 0 })));
-      const round = sides.some((s) => s.body === b.name);
-      box.append(choice({ key: "about", whose, label: "turn about the", words: [...(round ? [["sphere-center", "centre of its sphere"]] : []), ["com", "centre of mass"], ["0,0,0", "origin"]], start: round ? "sphere-center" : "com" }));
+      // of a body with several surfaces each has a sphere of its own
+      const own = [...new Map(sides.filter((s) => s.body === b.name).map((s) => [s.surface, s])).values()], of = (s) => s.sphere.center.map((x) => Number(x.toPrecision(6))).join();
+      const points = [...(own.length === 1 ? [["sphere-center", `centre of the sphere of ${own[0].surface}`]] : own.map((s) => [of(s), `centre of the sphere of ${s.surface}`])), ["com", "centre of mass"]];
+      box.append(choice({ key: "about", whose, label: "turn about", words: points, start: own.length === 1 ? "sphere-center" : "com", like: /^(sphere-center|com|(-?[\d.]+(e-?\d+)?,){2}-?[\d.]+(e-?\d+)?)$/ }));
       const force = loads[b.name] && loads[b.name].force;
       if (force && force.some((x) => x !== 0)) {
         const size = Math.hypot(...force), most = 2 * size, step = Number((most / 400).toPrecision(1));

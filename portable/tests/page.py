@@ -462,56 +462,6 @@ def it_fits(b, pages):
 
 
 @check
-def the_joint_in_the_hand_gives_what_dea_run_gives(b, pages):
-    ready(b, pages)
-    drop(b, HIP)
-    recognised(b)
-    solve(b)
-    b.click("#take")
-    exact = "document.getElementById('hand') && document.getElementById('hand').dataset.exact === 'true' && Live.hand.settled"
-    b.wait(exact, 60, "the first exact answer")
-    times = []
-    for step in range(20):
-        # a slider goes over many places, and rests at one
-        b.run("""const step = arguments[0], row = Live.rows[step % 9], range = row.element.querySelector('input[type=range]'), a = row.about;
-                 window.drawn = []; window.moves = 0;
-                 for (let k = 1; k <= 5; ++k) setTimeout(() => {
-                   range.value = a.key === 'turn' ? k * (step % 2 ? 0.3 : -0.3) : a.start + k * 0.004 * (a.most - a.least) * (step % 2 ? 1 : -1);
-                   range.dispatchEvent(new Event('input', { bubbles: true }));
-                   if (k === 5) range.dispatchEvent(new Event('change', { bubbles: true }));
-                   ++window.moves;
-                 }, 25 * k);""", step)
-        b.wait("window.moves === 5 && " + exact, 60, f"the exact answer of step {step}")
-        line = shlex.split(b.run("return document.getElementById('hand-line').textContent"))
-        done = subprocess.run([pages["dea"], line[1], str(HIP), *line[3:], "--no-xplt", "--json", "-", "-q"], capture_output=True, text=True)
-        same(done.returncode in (0, 1), True, done.stderr)
-        state = json.loads(done.stdout)["states"][-1]
-        shown = b.run("return [...document.querySelectorAll('#hand-numbers td')].map(td => Number(td.textContent.replace('−', '-')))")
-        if done.returncode == 1:
-            same(shown, [], f"numbers of what has no solution, step {step}")
-            continue
-        head = state["contacts"][0]["headline"]
-        for name, found in zip(("p99", "mean", "area", "peak"), shown):
-            true(abs(found - head[name]) <= 1e-3 * abs(head[name]), f"step {step}: {name} {found}, natively {head[name]}")
-        times.append(b.run("return parseFloat(document.getElementById('hand-seconds').textContent)"))
-        if step == 3:
-            b.click("#hand-undo")
-            b.wait(exact, 60, "the answer before")
-    print(f"   exact answers of the hip in the hand: median {sorted(times)[len(times) // 2]:.0f} ms, largest {max(times):.0f} ms")
-    text_of_map = in_page(b, 0, lambda b: b.run("return document.getElementById('now').textContent"))
-    same(text_of_map, "in the hand", "what the map says it is")
-    same(len(workers(b)), 2, "workers of the hand")
-    b.click("#hand-down")
-    same(in_page(b, 0, lambda b: b.run("return [Page.state.held, document.getElementById('now').textContent.includes('hand')]")), [None, False], "the run's own states")
-    b.click("#take")
-    b.wait(exact, 60, "the first exact answer, again")
-    drop(b, KNEE)
-    recognised(b)
-    same(b.run("return document.getElementById('hand')"), None, "the hand of another model")
-    same(len(workers(b)), 0, "workers that are left")
-
-
-@check
 def it_is_fast_enough(b, pages):
     best = math.inf
     for _ in range(3):

@@ -1,0 +1,425 @@
+#!/usr/bin/env python3
+"""The joint in the hand, in a headless Chromium, against the native program: in_hand.py DEA PAGE.html [CHECK...]
+
+Exit code 77: there is no chromedriver. Python's standard library only."""
+import csv
+import io
+import json
+import math
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+from page import HIP, KNEE, drop, in_page, make, ready, recognised, same_numbers, setting, solve, workers  # noqa: E402
+from browser import Browser, run_checks  # noqa: E402
+from report_test import no_faults, no_network, same, true  # noqa: E402
+
+NEAR = 1e-9  # of the largest number of its kind
+EXACT = "document.getElementById('hand') && document.getElementById('hand').dataset.exact === 'true' && Live.hand.settled"
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+# ---- what tests ask of the page ----
+
+def take(b, pages, *files, **settings):
+    b.log("performance")
+    ready(b, pages)
+    drop(b, *files)
+    recognised(b)
+    for name, value in settings.items():
+        setting(b, "--" + name.replace("_", "-"), *((value,) if isinstance(value, str) else value))
+    solve(b)
+    b.wait("document.getElementById('take')", 20, "the button")
+    b.click("#take")
+    b.wait(EXACT, 120, "the first exact answer")
+
+
+def put(b, key, value, nth=0):
+    """Types a number, or chooses a word, in the nth row of this key."""
+    b.run("""const [key, value, nth] = arguments, r = Live.rows.filter(r => r.about.key === key)[nth];
+             const e = r.element.querySelector('input[type=number], select');
+             e.value = value;
+             e.dispatchEvent(new Event('change', { bubbles: true }))""", key, value, nth)
+    b.wait(EXACT, 120, f"the exact answer of {key} {value}")
+
+
+def line(b):
+    """Words behind dea."""
+    return shlex.split(b.run("return document.getElementById('hand-line').textContent"))[1:]
+
+
+def state(b):
+    return b.run("return Live.shown.answer.text.state")
+
+
+def native(pages, words, code=None):
+    """The last state that dea run gives of these words, in the folder of the pages."""
+    done = subprocess.run([pages["dea"], *words, "--no-xplt", "--json", "-", "-q"], cwd=pages["folder"], capture_output=True, text=True)
+    true(done.returncode in ((0, 1) if code is None else (code,)), f"dea {' '.join(words)}: exit {done.returncode}: {done.stderr}")
+    return json.loads(done.stdout)["states"][-1]
+
+
+def plain(state):
+    """Without how the search went; a driver knows neither the order of keys nor whole numbers from others."""
+    search = ("least_stiffness", "iterations", "unstable", "held_directions")
+
+    def sorted_of(x):
+        if isinstance(x, dict):
+            return {k: sorted_of(x[k]) for k in sorted(x) if k not in search}
+        if isinstance(x, list):
+            return [sorted_of(v) for v in x]
+        return float(x) if isinstance(x, int) and not isinstance(x, bool) else x
+    return sorted_of(state)
+
+
+def as_dea_run(b, pages, what, near=NEAR):
+    """What is shown has the numbers of the line that stands there."""
+    run = native(pages, line(b))
+    shown = state(b)
+    same(shown["outcome"], run["outcome"], what)
+    same_solved = run["outcome"] == "Balanced"
+    if same_solved:
+        worst = same_numbers(plain(shown), plain(run), what, near)
+        head = run["contacts"][0]["headline"]
+        cells = b.run("return [...document.querySelectorAll('#hand-numbers tr')[1].querySelectorAll('td')].map(td => Number(td.textContent.replace('−', '-')))")
+        for name, found in zip(("p99", "mean", "area", "peak"), cells):
+            true(abs(found - head[name]) <= 1e-3 * abs(head[name]), f"{what}: {name} {found}, natively {head[name]}")
+        return worst[0]
+    no_map(b, what)
+    return 0.0
+
+
+def no_map(b, what):
+    """Nothing of another place is left where there is no solution."""
+    same(b.run("return document.querySelectorAll('#hand-numbers td').length"), 0, f"{what}: numbers of what has no solution")
+    same(in_page(b, 0, lambda b: b.run("return [Page.panels[0].message, Page.panels[0].what.vertices, Page.panels[0].what.facets, Page.panels[0].marks.length]")),
+         ["no solution here", None, None, 0], f"{what}: the map")
+    true(b.run("return document.getElementById('hand-what').textContent.startsWith('No solution') && document.querySelectorAll('#hand-remarks li').length > 0"), f"{what}: why")
+
+
+def drag(b, move):
+    """A slider goes over five places and rests; which one, `move` says: (key, nth, share of its range per place)."""
+    b.run("""const [key, nth, share] = arguments, r = Live.rows.filter(r => r.about.key === key)[nth], range = r.element.querySelector('input[type=range]'), a = r.about;
+             window.moves = 0;
+             const from = r.value;
+             for (let k = 1; k <= 5; ++k) setTimeout(() => {
+               range.value = from + k * share * (a.most - a.least);
+               range.dispatchEvent(new Event('input', { bubbles: true }));
+               if (k === 5) range.dispatchEvent(new Event('change', { bubbles: true }));
+               ++window.moves;
+             }, 25 * k);""", *move)
+    b.wait("window.moves === 5 && " + EXACT, 120, f"the exact answer after {move}")
+
+
+def handle_at(b, key):
+    """Where a handle can be grabbed, in the window; its panel is scrolled to."""
+    inside = in_page(b, 0, lambda b: b.run("""
+        const p = Page.panels[0], c = p.canvas, m = Page.maps;
+        c.scrollIntoView({ block: 'center' });
+        const w = c.clientWidth, h = c.clientHeight, x = m.placedHandles(p, w, h, 1, m.aim(w, h, p.offset)).find(x => x.handle.key === arguments[0]);
+        return [x.handle.kind === 'turn' ? x.line[20] : x.line[1]][0]""", key))
+    return b.run("""const f = document.querySelector('#result iframe'), r = f.getBoundingClientRect(), c = f.contentDocument.querySelector('.panel canvas').getBoundingClientRect();
+                    return [r.left + f.clientLeft + c.left + arguments[0], r.top + f.clientTop + c.top + arguments[1]]""", *inside)
+
+
+# ---- checks ----
+
+@check
+def twenty_places_give_what_dea_run_gives(b, pages):
+    take(b, pages, HIP)
+    times, worst = [], 0.0
+    moves = [(k, n, s) for k, count in (("turn", 3), ("move", 3), ("force", 3)) for n in range(count) for s in (0.02, -0.012)]
+    moves += [("E", 0, 0.03), ("E", 1, -0.02), ("thick", 0, 0.04), ("size", 0, 0.05)]
+    for i, move in enumerate(moves):
+        drag(b, move)
+        worst = max(worst, as_dea_run(b, pages, f"step {i}, {move}"))
+        times.append(b.run("return 1000 * Live.shown.answer.seconds"))
+        if i == 3:
+            b.click("#hand-undo")
+            b.wait(EXACT, 60, "the answer before")
+    put(b, "law", "linear")
+    as_dea_run(b, pages, "law linear")
+    put(b, "nu", 0.4)
+    as_dea_run(b, pages, "nu")
+    put(b, "time", 21)
+    worst = max(worst, as_dea_run(b, pages, "an earlier time"))
+    same(line(b)[-2:], ["--states", "1.5"], "the time in the line")
+    print(f"        {len(moves)} places: numbers within {worst:.1e}; exact answers: median {sorted(times)[len(times) // 2]:.0f} ms, largest {max(times):.0f} ms")
+    same(in_page(b, 0, lambda b: b.run("return document.getElementById('now').textContent")), "in the hand", "what the map says it is")
+    same(len(workers(b)), 2, "workers of the hand")
+    b.click("#hand-reset")
+    b.wait(EXACT, 60, "the model's own place")
+    same(line(b)[2:], ["--states", "last"], "the line of the model's own place")
+    b.click("#hand-down")
+    same(in_page(b, 0, lambda b: b.run("return [Page.state.held, document.getElementById('now').textContent.includes('hand'), Page.panels.length > 1]")), [None, False, True], "the run's own states")
+    b.click("#take")
+    b.wait(EXACT, 60, "the first exact answer, again")
+    drop(b, KNEE)
+    recognised(b)
+    same(b.run("return document.getElementById('hand')"), None, "the hand of another model")
+    same(len(workers(b)), 0, "workers that are left")
+    no_network(b, "the page")
+    no_faults(b, "the page")
+
+
+@check
+def a_place_without_a_solution_has_no_map(b, pages):
+    take(b, pages, HIP)
+    put(b, "law", "linear")
+    put(b, "size", 62000)
+    same(state(b)["outcome"], "BeyondStrainLimit", "outcome")
+    as_dea_run(b, pages, "beyond the strain limit")
+    b.click("#hand-undo")
+    b.wait(EXACT, 60, "the answer before")
+    as_dea_run(b, pages, "back")
+    for n, x in enumerate((0, 0, -200)):
+        put(b, "force", x, n)
+    same(state(b)["outcome"], "SurfacesApart", "outcome")
+    as_dea_run(b, pages, "apart")
+    put(b, "E", -3)
+    why = b.run("return document.getElementById('hand-remarks').textContent")
+    true("found \"-3\", expected a number > 0" in why, f"the refusal of dea run: {why}")
+    same(b.run("return document.getElementById('hand-what').textContent"), "No answer", "a line that is refused")
+    same(in_page(b, 0, lambda b: b.run("return Page.panels[0].message")), "no solution here", "its map")
+
+
+@check
+def the_knee_follows_the_hand(b, pages):
+    take(b, pages, KNEE)
+    worst = as_dea_run(b, pages, "knee", 1e-7)
+    coarse = []
+    for move in (("E", 0, 0.02), ("size", 0, 0.03), ("turn", 1, 0.01)):
+        drag(b, move)
+        worst = max(worst, as_dea_run(b, pages, f"knee, {move}", 1e-6))
+    b.run("window.seen = []; const show = Live.hand.show; Live.hand.show = (a, q) => { if (q.quick) window.seen.push(a.seconds); show(a, q); }")
+    for _ in range(4):
+        drag(b, ("size", 0, -0.004))
+    coarse = sorted(b.run("return window.seen"))
+    print(f"        numbers within {worst:.1e}; {len(coarse)} coarse answers: median {1000 * coarse[len(coarse) // 2]:.0f} ms, largest {1000 * coarse[-1]:.0f} ms")
+    put(b, "force", -4000, 2)  # nothing holds the shank on that side
+    if state(b)["outcome"] != "Balanced":
+        no_map(b, "no balance")
+
+
+@check
+def handles_on_the_map_move_a_body(b, pages):
+    take(b, pages, HIP)
+    before = in_page(b, 0, lambda b: b.run("return Page.maps.orientation.toArray()"))
+    for touch in (False, True):
+        for key, option in (("turn 0", "--rotate"), ("move 1", "--move"), ("load", "--force")):
+            x, y = handle_at(b, key)
+            send = (lambda kind, x, y: b.cdp("Input.dispatchTouchEvent", type={"pressed": "touchStart", "moved": "touchMove", "released": "touchEnd"}[f"{kind}"],
+                                             touchPoints=[] if kind == "released" else [{"x": x, "y": y}])) if touch else \
+                   (lambda kind, x, y: b.cdp("Input.dispatchMouseEvent", type={"pressed": "mousePressed", "moved": "mouseMoved", "released": "mouseReleased"}[kind], x=x, y=y,
+                                             button="left", buttons=0 if kind == "released" else 1, clickCount=1))
+            send("pressed", x, y)
+            for k in range(1, 6):
+                send("moved", x + 3 * k, y + 2 * k)
+            send("released", x + 15, y + 10)
+            b.wait(EXACT, 60, f"the exact answer after {key}")
+            true(option in line(b), f"{'touch' if touch else 'mouse'} on {key}: {line(b)}")
+            as_dea_run(b, pages, key)
+            b.click("#hand-undo")
+            b.wait(EXACT, 60, "the answer before")
+            same(line(b)[2:], ["--states", "last"], f"one drag of {key} is one step back")
+    same(in_page(b, 0, lambda b: b.run("return Page.maps.orientation.toArray()")), before, "the view, while a handle is dragged")
+    put(b, "size", 951.16)
+    force = [float(x) for x in line(b)[line(b).index("--force") + 1].split("=")[1].split(",")]
+    for found, whole in zip(force, (432, -262, 1834)):
+        true(abs(found - whole / 2) < 0.01, f"half the force: {force}")
+
+
+@check
+def keys_do_all_of_it(b, pages):
+    take(b, pages, HIP)
+    b.run("Live.rows.find(r => r.about.key === 'turn').element.querySelector('input').focus()")
+    for _ in range(3):
+        b.key("\ue014")  # arrow right
+    b.wait("document.getElementById('hand-line').textContent.includes('--rotate') && " + EXACT, 60, "the exact answer")
+    same(line(b)[2:4], ["--rotate", "femur=1,0,0,0.3"], "three steps of a slider")
+    true(b.run("return document.getElementById('hand-said').getAttribute('role') === 'status' && /p99 [\\d.]+, mean [\\d.]+/.test(document.getElementById('hand-said').textContent)"), "what a screen reader is told")
+    nameless = b.run("""return [...document.querySelectorAll('#hand input, #hand select, #hand button, #hand canvas')].filter((e) => !e.hidden && !(e.getAttribute('aria-label') || e.textContent && e.tagName === 'BUTTON'
+                        || document.querySelector(`label[for="${e.id}"]`) || e.closest('label'))).map((e) => e.outerHTML)""")
+    same(nameless, [], "controls without a name")
+
+
+@check
+def a_grid_is_that_of_dea_study(b, pages):
+    take(b, pages, HIP)
+    b.run("document.getElementById('plan').open = true; document.getElementById('plan-count').value = '6'")
+    for name, value in (("a", "0"), ("b", "2")):
+        b.run("const e = document.getElementById('plan-' + arguments[0]); e.value = arguments[1]; e.dispatchEvent(new Event('change'))", name, value)
+    b.click("#plan-go")
+    b.wait("Plan.grid && Plan.grid.done === 36 && document.getElementById('plan-go').textContent === 'Work it out'", 120, "the grid")
+    same(len(workers(b)), 2, "workers that are left")
+    words = shlex.split(b.run("return Plan.studyLine()"))
+    done = subprocess.run([pages["dea"], *words[1:], "--overwrite", "-q", "--csv", "-"], cwd=pages["folder"], capture_output=True, text=True)
+    same(done.returncode, 0, done.stderr)
+    rows = [r for r in csv.DictReader(io.StringIO(done.stdout))]
+    cells = b.run("return Plan.grid.cells.map((c, k) => [Plan.grid.a.at(k % 6, 6), Plan.grid.b.at(Math.floor(k / 6), 6), c.values[0].p99, c.values[0].area])")
+    same(len(rows), 36, "cases of the study")
+    worst = 0.0
+    for row in rows:
+        at = [float(row[k]) for k in ("across", "up")]
+        cell = min(cells, key=lambda c: math.hypot(c[0] - at[0], c[1] - at[1]))
+        true(math.hypot(cell[0] - at[0], cell[1] - at[1]) < 1e-9, f"no place {at}")
+        for found, column in zip(cell[2:], ("headline_p99", "headline_area")):
+            worst = max(worst, abs(found / float(row[column]) - 1))
+    print(f"        36 places within {worst:.1e} of dea study")
+    true(worst < 1e-6, f"apart from dea study by {worst:.1e}")
+    least = min(cells, key=lambda c: c[2])
+    true(f"at femur: turn about x {least[0]:g}".replace("-", "−") in b.run("return document.getElementById('plan-text').textContent"), "the least")
+    # the dot takes the hand along, and another load makes it another grid
+    b.run("document.getElementById('plan-map').focus()")
+    b.key("\ue013")  # arrow up
+    b.wait("document.getElementById('hand-line').textContent.includes('--rotate') && " + EXACT, 60, "the exact answer")
+    as_dea_run(b, pages, "a place of the grid")
+    put(b, "size", 1000)
+    b.wait("document.getElementById('plan-text').textContent.includes('something else')", 10, "that the grid is another place's")
+    same(b.run("return document.getElementById('plan-map').style.opacity"), "0.45", "the grid of another load")
+
+
+@check
+def a_grid_of_21_by_21_takes_less_than_a_minute(b, pages):
+    take(b, pages, HIP)
+    b.run("document.getElementById('plan').open = true")
+    start = time.monotonic()
+    b.click("#plan-go")
+    b.wait("Plan.grid && Plan.grid.done === 441", 240, "the grid")
+    seconds = time.monotonic() - start
+    print(f"        441 places in {seconds:.0f} s")
+    true(seconds < 60, f"{seconds:.0f} s")
+
+
+@check
+def another_place_is_kept_beside(b, pages):
+    take(b, pages, HIP)
+    first = state(b)["contacts"][0]["headline"]["p99"]
+    b.click("#hand-keep")
+    drag(b, ("turn", 0, 0.05))
+    second = state(b)["contacts"][0]["headline"]["p99"]
+    rows = b.run("return [...document.querySelectorAll('#hand-numbers tr')].map(r => [r.cells[0].textContent, r.cells[1].textContent])")
+    same([r[0] for r in rows], ["contact", "hip_contact", "kept", "change"], "rows")
+    true(abs(float(rows[2][1]) - first) < 1e-3 * first, f"kept {rows[2]}, was {first}")
+    true(abs(float(rows[3][1].replace("−", "-").rstrip(" %")) - 100 * (second / first - 1)) < 0.06, f"change {rows[3]}")
+    maps = in_page(b, 0, lambda b: b.run("""return [Page.panels.map(p => p.title()), Page.panels[0].what.scale.most === Page.panels[1].what.scale.most, Page.panels.map(p => p.message),
+        Math.max(...Page.panels[2].what.vertices.map((x, k) => Math.abs(x - (Page.panels[0].what.vertices[k] - Page.panels[1].what.vertices[k]))))]"""))
+    same(maps[:3], [["In the hand", "Kept", "In the hand − kept"], True, ["", "", ""]], "maps")
+    true(maps[3] < 1e-6, f"the difference: {maps[3]}")
+    put(b, "size", 62000)
+    if state(b)["outcome"] != "Balanced":
+        same(in_page(b, 0, lambda b: b.run("return Page.panels.map(p => p.message)"))[0], "no solution here", "a place without a solution beside one that has")
+    b.click("#hand-keep")
+    same(in_page(b, 0, lambda b: b.run("return Page.panels.map(p => p.title())")), ["In the hand"], "maps, once it is put away")
+
+
+@check
+def five_hundred_moves_leave_memory_flat(b, pages):
+    take(b, pages, HIP)
+    b.run("""window.memory = []; window.drawn = []; window.late = [];
+             const show = Live.hand.show;
+             Live.hand.show = (a, q) => { window.memory.push(a.memory); window.drawn.push([q.place, q.quick]); if (q.quick) window.late.push(performance.now() - window.asked[q.place]); show(a, q); };
+             window.asked = {}; window.moves = 0;
+             const row = Live.rows.find(r => r.about.key === 'turn'), range = row.element.querySelector('input[type=range]');
+             const step = () => { ++window.moves; range.value = 8 * Math.sin(window.moves / 20); range.dispatchEvent(new Event('input', { bubbles: true })); window.asked[Live.hand.place] = performance.now();
+               if (window.moves < 500) setTimeout(step, 30); else range.dispatchEvent(new Event('change', { bubbles: true })); };
+             window.heap = performance.memory.usedJSHeapSize; step();""")
+    b.wait("window.moves === 500 && " + EXACT, 180, "the end of the drag")
+    memory, drawn, late = b.run("return [window.memory, window.drawn, window.late]")
+    true(all(2 * p + (not q) > 2 * p0 + (not q0) for (p0, q0), (p, q) in zip(drawn, drawn[1:])), "an older answer over a newer one")
+    late.sort()
+    print(f"        {len(drawn)} answers drawn of 500 moves; coarse: median {late[len(late) // 2]:.0f} ms after the move, 95 of 100 within {late[len(late) * 95 // 100]:.0f} ms; "
+          f"memory of a worker {memory[len(memory) // 10] / 1e6:.0f} MB at first, {memory[-2] / 1e6:.0f} MB at the end")
+    quick = memory[:-1]
+    true(quick[-1] <= 1.02 * quick[len(quick) // 10], f"memory grows: {quick[len(quick) // 10]} to {quick[-1]} bytes")
+    heap = b.run("return performance.memory.usedJSHeapSize - window.heap")
+    true(heap < 60e6, f"the page's own memory grew by {heap / 1e6:.0f} MB")
+    as_dea_run(b, pages, "after 500 moves")
+
+
+@check
+def rows_of_a_table_are_times(b, pages):
+    folder = pathlib.Path(pages["folder"])
+    table = folder / "gait.csv"
+    table.write_text("time,Fx,Fy,Fz\n" + "".join(f"{k},{200 + 50 * k},{-100 - 30 * k},{900 + 200 * k}\n" for k in range(5)))
+    take(b, pages, HIP, table, loads="gait.csv", load_body="femur")
+    same(b.run("return Live.rows.find(r => r.about.key === 'time').about.times"), [0, 1, 2, 3, 4], "times")
+    put(b, "time", 2)
+    same(line(b)[-2:], ["--states", "2"], "the row in the line")
+    same(state(b)["time"], 2, "the row")
+    as_dea_run(b, pages, "a row")
+    drag(b, ("turn", 0, 0.03))
+    as_dea_run(b, pages, "a row, turned")
+
+
+@check
+def a_page_of_its_own_begins_in_the_hand(b, pages):
+    folder = pathlib.Path(pages["folder"])
+    program, sub = folder / "program", folder / "sub dir"
+    program.mkdir()
+    sub.mkdir()
+    shutil.copy(pages["dea"], program / "dea")
+    table = sub / "gait <b>.csv"
+    table.write_text("time,Fx,Fy,Fz\n0,432,-262,1834\n1,300,-200,1500\n")
+    words = ["run", str(HIP), "--loads", str(table), "--load-body", "femur", "--E", "acetabular_articulating=9", "--no-squash", "--no-xplt", "-q", "--live", "hip_live.html"]
+    done = subprocess.run([program / "dea", *words], cwd=folder, capture_output=True, text=True)
+    same([done.returncode, done.stderr.count("\n"), "found no dea.html" in done.stderr], [2, 1, True], done.stderr)
+    shutil.copy(pages["page"], program / "dea.html")
+    done = subprocess.run([program / "dea", *words], cwd=folder, capture_output=True, text=True)
+    same([done.returncode, done.stderr], [0, ""], "dea run --live")
+    b.log("performance")
+    b.open((folder / "hip_live.html").as_uri())
+    b.wait(EXACT, 120, "the joint in the hand, without a click")
+    same(b.run("return [document.title, document.getElementById('sample')]"), ["hip_walking in the hand", None], "the page")
+    same(line(b), ["run", HIP.name, "--loads", table.name, "--load-body", "femur", "--E", "acetabular_articulating=9", "--no-squash", "--states", "last"], "its line")
+    shutil.copy(table, folder / table.name)
+    as_dea_run(b, pages, "the joint of the page")
+    drag(b, ("turn", 0, 0.03))
+    as_dea_run(b, pages, "the joint of the page, turned")
+    no_network(b, "the page")
+    no_faults(b, "the page")
+
+
+@check
+def a_case_is_saved_for_febio(b, pages):
+    take(b, pages, HIP)
+    drag(b, ("turn", 0, 0.03))
+    b.click("#hand-save")
+    name, content = b.downloaded()
+    same(name, "hip_walking_hand.feb", "name")
+    mine = pathlib.Path(pages["folder"]) / name
+    mine.write_bytes(content if isinstance(content, bytes) else content.encode())
+    moved = native(pages, ["run", name, "--states", "last"])
+    same(round(moved["contacts"][0]["headline"]["p99"] / state(b)["contacts"][0]["headline"]["p99"], 6), 1.0, "p99 of the saved case")
+    put(b, "size", 1000)
+    b.click("#hand-save")
+    b.wait("document.getElementById('hand-other').textContent.includes('--force')", 30, "that a converted model cannot hold this force")
+
+
+def without_webgl(pages):
+    with Browser(webgl=False) as b:
+        take(b, pages, HIP)
+        drag(b, ("turn", 0, 0.03))
+        as_dea_run(b, pages, "without WebGL")
+
+
+def main():
+    if len(sys.argv) < 3:
+        print(__doc__, file=sys.stderr)
+        return 2
+    dea, page = map(os.path.abspath, sys.argv[1:3])
+    return run_checks(CHECKS, sys.argv[3:], lambda folder: make(folder, dea, page), without_webgl)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
