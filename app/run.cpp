@@ -197,6 +197,7 @@ int run(const RunArguments& a) {
   JointModel read = read_feb(a.model);
   std::vector<NamedPath> files = input_files(a, settings);
   if (!a.times_from.empty()) files.insert(files.begin() + 1, {"the FEA result", a.times_from});
+  if (!program.empty()) files.push_back({"the page of the program", program});
   std::vector<NamedPath> outputs = named_outputs(typed, file);
   if (!a.live.empty()) outputs.push_back({"--live", a.live});
   const HeldOutputs held = claim_outputs(files, outputs);

@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -155,7 +156,7 @@ def in_help(command):
 
 
 def outputs_of(command):
-    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|--frames|--hip-figure|--animate|>) ([^\s-]\S*)", command)
+    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--live|--vtu|--frames|--hip-figure|--animate|>) ([^\s-]\S*)", command)
     shard = re.search(r"--shard (\d+)/(\d+)", command)
     return [re.sub(r"\.db$", ".{}-of-{}.db".format(*shard.groups()), name) for name in names] if shard else names
 
@@ -166,8 +167,18 @@ def inputs_of(command):
     return sorted(set(found) - set(outputs_of(command)))
 
 
+def beside_a_page(folder):
+    """The program beside a dea.html of its own, which portable/build makes: for --live."""
+    place = folder / "program"
+    if not place.exists():
+        place.mkdir()
+        shutil.copy(dea, place / "dea")
+        (place / "dea.html").write_text('<script type="text/plain" id="sample-model">x</script>\n')
+    return place / "dea"
+
+
 def bash(folder, command):
-    program = f"shopt -s expand_aliases\nalias dea={shlex.quote(str(dea))}\n"
+    program = f"shopt -s expand_aliases\nalias dea={shlex.quote(str(beside_a_page(folder) if ' --live ' in command else dea))}\n"
     program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS) + "man() { grep -q '^.TH'; }\n"
     return subprocess.run(["bash", "-c", program + re.sub(r"^\S*/dea ", "dea ", command)], cwd=folder,
                           capture_output=True, text=True, timeout=300)

@@ -249,7 +249,7 @@ const Live = (() => {
       for (const body of a.bodies) {
         const other = b.bodies.find((o) => o.name === body.name), shift = Math.hypot(...body.center.map((x, i) => x - other.center[i]));
         const turn = Math.max(...body.rotation.flatMap((r, i) => r.map((x, j) => Math.abs(x - other.rotation[i][j]))));
-        if (shift > 1e-3 * reach || turn > 1e-3) words = `Two balances: coming from where the hand was, ${body.name} would rest ${number(shift, 2)} ${names?.length || ""} and ${number(turn * 180 / Math.PI, 2)}° from where dea run, which starts from the model, finds it. Shown is what dea run finds.`;
+        if (shift > 1e-3 * reach || turn > 1e-3) words = `Two balances: coming from where the hand was, ${body.name} would rest ${number(shift, 3)}${names?.length ? " " + names.length : ""} and ${number(turn * 180 / Math.PI, 3)}° from where dea run, which starts from the model, finds it. Shown is what dea run finds.`;
       }
     }
     $("hand-other").textContent = words;
@@ -295,8 +295,9 @@ const Live = (() => {
     place = make("section", { id: "hand", "aria-label": "The joint in the hand" }, make("h2", { text: "In the hand" }),
       make("p", { class: "about", text: "Turn, move and load a body by its handles on the map or by the sliders, or change the cartilage: the map follows. Coarse while it moves, exact once it rests: the numbers of the command line that stands below." }),
       groups);
+    const loaded = bodies.find((b) => loads[b.name]?.force?.some((x) => x !== 0)) || bodies[0];
     for (const b of bodies) {
-      const box = make("details", { open: bodies.indexOf(b) === 0 }, make("summary", { text: b.name })), whose = b.name;
+      const box = make("details", { open: b === loaded }, make("summary", { text: b.name })), whose = b.name;
       ["x", "y", "z"].forEach((axis, i) => box.append(row({ key: "turn", whose, axis: unit(i), label: `turn about ${axis}`, unit: "°", least: -15, most: 15, step: 0.1, start: 0 })));
       ["x", "y", "z"].forEach((axis) => box.append(row({ key: "move", whose, label: `move along ${axis}`, unit: names?.length || "", least: -0.05 * reach, most: 0.05 * reach, step: Number((reach / 2000).toPrecision(1)), start: 0 })));
       // of a body with several surfaces each has a sphere of its own
@@ -323,7 +324,6 @@ const Live = (() => {
     }
     groups.prepend(general);
     of("time").forEach(follow);
-    const loaded = bodies.find((b) => loads[b.name]?.force?.some((x) => x !== 0)) || bodies[0];
     const grip = make("select", { id: "hand-body", onchange: draw }, ...bodies.map((b) => make("option", { value: b.name, text: b.name })), make("option", { value: "", text: "none" }));
     grip.value = loaded.name;
     const button = (id, text, onclick, more = {}) => make("button", { id, text, onclick, ...more });

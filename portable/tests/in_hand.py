@@ -107,6 +107,51 @@ def no_map(b, what):
     true(b.run("return document.getElementById('hand-what').textContent.startsWith('No solution') && document.querySelectorAll('#hand-remarks li').length > 0"), f"{what}: why")
 
 
+def two_wells(path):
+    """A ball that its load presses into one of two hollows of a bed of cartilage, at x = 8 and -8."""
+    nx, ny, nodes, beds, bones = 48, 8, [], [], []
+    height = lambda x, y: 2.5 * ((x / 8) ** 2 - 1) ** 2 + y * y / 60  # noqa: E731
+    for z in (-1, 0):
+        nodes += [(x, y, height(x, y) + z) for y in (-6 + 12 * j / ny for j in range(ny + 1)) for x in (-12 + 24 * i / nx for i in range(nx + 1))]
+    layer, row = (nx + 1) * (ny + 1), nx + 1
+    for j in range(ny):
+        for i in range(nx):
+            a = j * row + i + 1
+            bottom = (a, a + 1, a + row + 1, a + row)
+            beds.append(bottom + tuple(n + layer for n in bottom))
+            bones.append(bottom)
+    tops, balls, first, n, radius = [b[4:] for b in beds], [], len(nodes), 16, 4.0
+    for j in range(n + 1):
+        for i in range(n + 1):
+            x, y = -2.4 + 4.8 * i / n, -2.4 + 4.8 * j / n
+            nodes.append((8 + x, y, radius - (radius ** 2 - x * x - y * y) ** 0.5 + 0.02))
+    for j in range(n):
+        for i in range(n):
+            a = first + j * (n + 1) + i + 1
+            balls.append((a, a + n + 1, a + n + 2, a + 1))
+    rows = lambda name, kind, list, start: f'<Elements type="{kind}" name="{name}">' + "".join(f'<elem id="{start + k}">{",".join(map(str, e))}</elem>' for k, e in enumerate(list)) + "</Elements>"  # noqa: E731
+    faces = lambda name, list: f'<Surface name="{name}">' + "".join(f'<quad4 id="{k + 1}">{",".join(map(str, e))}</quad4>' for k, e in enumerate(list)) + "</Surface>"  # noqa: E731
+    held = lambda body, dofs: f'<rigid_bc name="{body} held" type="rigid_fixed"><rb>{body}</rb>' + "".join(f"<{d}_dof>{int(d in dofs)}</{d}_dof>" for d in ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw")) + "</rigid_bc>"  # noqa: E731
+    load = lambda dof, x: f'<rigid_load name="load {dof}" type="rigid_force"><rb>ball</rb><dof>{dof}</dof><value lc="1">{x}</value></rigid_load>'  # noqa: E731
+    path.write_text(f"""<?xml version="1.0"?>
+<febio_spec version="4.0"><Module type="solid"/>
+<Material><material id="1" name="cartilage" type="neo-Hookean"><density>1</density><E>5</E><v>0.4</v></material>
+<material id="2" name="base" type="rigid body"><density>1</density><center_of_mass>0,0,0</center_of_mass></material>
+<material id="3" name="ball" type="rigid body"><density>1</density><center_of_mass>8,0,4</center_of_mass></material></Material>
+<Mesh><Nodes>{"".join(f'<node id="{k + 1}">{x:.9g},{y:.9g},{z:.9g}</node>' for k, (x, y, z) in enumerate(nodes))}</Nodes>
+{rows("bed", "hex8", beds, 1)}{rows("base_bone", "quad4", bones, 1001)}{rows("ball_bone", "quad4", balls, 2001)}
+{faces("bed_top", tops)}{faces("ball_face", balls)}
+<SurfacePair name="joint"><primary>bed_top</primary><secondary>ball_face</secondary></SurfacePair></Mesh>
+<MeshDomains><SolidDomain name="bed" mat="cartilage"/><ShellDomain name="base_bone" mat="base"><shell_thickness>0</shell_thickness></ShellDomain>
+<ShellDomain name="ball_bone" mat="ball"><shell_thickness>0</shell_thickness></ShellDomain></MeshDomains>
+<Rigid>{held("base", ("Rx", "Ry", "Rz", "Ru", "Rv", "Rw"))}{held("ball", ("Ry", "Ru", "Rv", "Rw"))}{load("Rx", 1)}{load("Rz", -20)}</Rigid>
+<Contact><contact name="joint" type="sliding-elastic" surface_pair="joint"/></Contact>
+<Control><analysis>STATIC</analysis><time_steps>1</time_steps><step_size>1</step_size></Control>
+<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>
+</febio_spec>
+""")
+
+
 def drag(b, move):
     """A slider goes over five places and rests; which one, `move` says: (key, nth, share of its range per place)."""
     b.run("""const [key, nth, share] = arguments, r = Live.rows.filter(r => r.about.key === key)[nth], range = r.element.querySelector('input[type=range]'), a = r.about;
@@ -209,6 +254,24 @@ def the_knee_follows_the_hand(b, pages):
     put(b, "force", -4000, 2)  # nothing holds the shank on that side
     if state(b)["outcome"] != "Balanced":
         no_map(b, "no balance")
+
+
+@check
+def two_balances_are_told(b, pages):
+    model = pathlib.Path(pages["folder"]) / "two_wells.feb"
+    two_wells(model)
+    take(b, pages, model)
+    b.wait("document.getElementById('hand').dataset.again", 20, "the second search")
+    same(b.run("return document.getElementById('hand-other').textContent"), "", "a word on two balances where there is one")
+    # put above the other hollow, dea run finds that one; the hand comes from the first
+    put(b, "move", -16, 3)
+    b.wait("document.getElementById('hand-other').textContent", 20, "that there are two balances")
+    told = b.run("return document.getElementById('hand-other').textContent")
+    true(told.startswith("Two balances: coming from where the hand was, ball would rest 15."), told)
+    as_dea_run(b, pages, "the balance that is shown")
+    print(f"        {told}")
+    b.click("#hand-undo")
+    b.wait(EXACT, 60, "the answer before")
 
 
 @check

@@ -21,6 +21,7 @@
 #include <sstream>
 #include <thread>
 
+#include "io/files/encoded_text.h"
 #include "io/xplt/xplt.h"
 #include "tests/program.h"
 
@@ -37,11 +38,11 @@ constexpr double kM = kE * (1 - kNu) / ((1 + kNu) * (1 - 2 * kNu));
 /// A folder of its own for every test, in which the program runs.
 class Cli : public ::testing::Test {
  protected:
-  static pid_t start(const fs::path& in, std::vector<std::string> words, const fs::path& out, const fs::path& err) {
+  static pid_t start(const fs::path& in, std::vector<std::string> words, const fs::path& out, const fs::path& err,
+                     std::string program = DEA_PROGRAM) {
     const pid_t child = ::fork();
     if (child != 0) return child;
     std::vector<char*> argv;
-    std::string program = DEA_PROGRAM;
     argv.push_back(program.data());
     for (std::string& w : words) argv.push_back(w.data());
     argv.push_back(nullptr);
@@ -986,6 +987,46 @@ TEST_F(Cli, PlotFilesThatAreThereAlready) {
   EXPECT_EQ(run({"-o", "cut.xplt", "--overwrite"}).code, 0);
   write("empty.xplt", "");  // as mktemp leaves it: nothing to lose
   EXPECT_EQ(run({"-o", "empty.xplt"}).code, 0);
+}
+
+/// `--live` needs the page that has the program; without it, and for files that a page cannot have, there is one line.
+TEST_F(Cli, TheJointOfARunAsAPage) {
+  write_model();
+  const Finished none = dea({"run", "flat.feb", "-q", "--no-xplt", "--live", "a.html"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_EQ(none.err.rfind("dea: --live: found no dea.html beside the program", 0), 0u) << none.err;
+  EXPECT_FALSE(fs::exists(folder / "a.html"));
+  write_model("flat.feb", -1.0);
+  const fs::path place = folder / "program";
+  fs::create_directory(place);
+  fs::copy_file(DEA_PROGRAM, place / "dea");
+  write("program/dea.html",
+        "<meta name=\"generator\" content=\"FEBioDEA\"><script type=\"text/plain\" "
+        "id=\"sample-model\">x</script>\n");
+  const auto beside = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"run", "flat.feb", "-q", "--no-xplt"});
+    return end_of(start(folder, words, folder / "out", folder / "err", (place / "dea").string()), folder / "out",
+                  folder / "err");
+  };
+  const Finished made = beside({"--E", "9", "--no-squash", "--live", "a.html"});
+  EXPECT_EQ(made.code, 0) << made.err;
+  const std::string page = file_text(folder / "a.html");
+  EXPECT_NE(page.find("class=\"given\" data-name=\"flat.feb\""), std::string::npos);
+  EXPECT_NE(page.find(base64(R"(["--E","9","--no-squash"])")), std::string::npos);
+  EXPECT_EQ(beside({"--live", "a.html"}).code, 0) << "its own page gives way";
+  const std::string before = file_text(place / "dea.html");
+  EXPECT_EQ(beside({"--live", "program/dea.html"}).code, 2) << "the page that it is made of does not";
+  EXPECT_EQ(file_text(place / "dea.html"), before);
+  EXPECT_EQ(beside({"--live", "a.txt"}).code, 2);
+  EXPECT_EQ(beside({"--live", "no_folder/a.html"}).code, 4);
+  // two files of one name, and a table that a settings file names in another folder
+  fs::create_directory(folder / "one");
+  write("one/t.csv", "time,Fx,Fy,Fz\n0,0,0,-1\n");
+  write("s.xml",
+        "<febiodea_settings version=\"1\"><loads>one/t.csv</loads><load-body>plate</load-body></febiodea_settings>\n");
+  const Finished apart = beside({"--settings", "s.xml", "--live", "b.html"});
+  EXPECT_EQ(apart.code, 2) << apart.err;
+  EXPECT_NE(apart.err.find("a page has no folders"), std::string::npos) << apart.err;
 }
 
 // The same of every other file that a command writes: what dea made gives way, anything else only to --overwrite.
