@@ -112,7 +112,7 @@ TEST(Progress, LifeBeforeTheFirstStepIsDone) {
   w.text.clear();
   w.now = 99;
   p.tick();
-  EXPECT_EQ(w.text, "");                // messages may follow
+  EXPECT_EQ(w.text, "");  // messages may follow
   p.now("state 3 of 4", "", "", 2, 4);  // and what goes on is shown again
   EXPECT_EQ(w.text.find("\r\033[K[############............] state 3 of 4"), 0u);
 }
