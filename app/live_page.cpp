@@ -34,22 +34,22 @@ std::string live_program() {
 namespace {
 
 /// The page has no folders: what the model or a settings file names by itself has to lie beside it.
-PageFile beside(const std::string& what, const std::string& path, const std::string& first) {
+PageFile beside(const std::string& what, const std::string& kind, const std::string& path, const std::string& first) {
   if (fs::path(path).parent_path().lexically_normal() != fs::path(first).parent_path().lexically_normal())
     throw UsageError(
         fmt::format("--live: {}, {}, is in another folder than {}, expected the same one: a page has no folders", what,
                     path, first));
-  return {file_name(path), path};
+  return {file_name(path), path, kind};
 }
 
 }  // namespace
 
 std::string live_page_of(const std::string& program, const ModelArguments& a, const JointModel& model,
-                         const Settings& settings) {
-  std::vector<PageFile> files = {{file_name(a.model), a.model}};
+                         const Settings& settings, const std::string& states) {
+  std::vector<PageFile> files = {{file_name(a.model), a.model, "model"}};
   for (std::size_t i = 1; i < model.files.size(); ++i)
-    files.push_back(beside("a file of the model", model.files[i], a.model));
-  if (!a.settings.file.empty()) files.push_back({file_name(a.settings.file), a.settings.file});
+    files.push_back(beside("a file of the model", "part", model.files[i], a.model));
+  if (!a.settings.file.empty()) files.push_back({file_name(a.settings.file), a.settings.file, "settings"});
   std::vector<NamedPath> tables = table_files(settings);
   std::vector<std::string> words;
   for (const CaseOption& typed : in_their_order(a.settings)) {
@@ -60,16 +60,16 @@ std::string live_page_of(const std::string& program, const ModelArguments& a, co
     }
     std::string text = typed.text;
     const std::string key = option.key == nullptr ? "" : text.substr(0, text.rfind('=') + 1);
-    const auto table = std::find_if(tables.begin(), tables.end(),
-                                    [&](const NamedPath& t) { return t.path == text.substr(key.size()); });
-    if (table != tables.end()) {
-      files.push_back({file_name(table->path), table->path});
-      text = key + files.back().name;
-      tables.erase(table);
-    }
+    const std::string path = text.substr(key.size());
+    if (std::erase_if(tables, [&](const NamedPath& t) { return t.path == path; }) > 0)
+      files.push_back({file_name(path), path, "table"});
+    const auto in_page = std::find_if(files.begin() + 1, files.end(),
+                                      [&](const PageFile& f) { return f.kind == "table" && f.path == path; });
+    if (in_page != files.end()) text = key + in_page->name;
     words.insert(words.end(), {"--" + typed.name, text});
   }
-  for (const NamedPath& table : tables) files.push_back(beside(table.option, table.path, a.settings.file));
+  if (!states.empty()) words.insert(words.end(), {"--states", states});
+  for (const NamedPath& table : tables) files.push_back(beside(table.option, "table", table.path, a.settings.file));
   std::set<std::string> names;
   for (const PageFile& file : files)
     if (!names.insert(file.name).second)

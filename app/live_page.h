@@ -10,8 +10,9 @@ namespace dea {
 /// Where dea.html is: beside the program, or installed with it. Throws UsageError: nowhere.
 std::string live_program();
 
-/// The page. `settings`: effective ones. Throws UsageError: files that a page without folders cannot have; InputError.
+/// The page. `settings`: effective ones; `states`: as typed. Throws UsageError: files that a page without folders
+/// cannot have; InputError.
 std::string live_page_of(const std::string& program, const ModelArguments& a, const JointModel& model,
-                         const Settings& settings);
+                         const Settings& settings, const std::string& states);
 
 }  // namespace dea

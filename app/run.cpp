@@ -189,6 +189,8 @@ int run(const RunArguments& a) {
   const std::string output_option = given_as(&OutputSettings::output, typed);
   require_page_name(given_as(&OutputSettings::report, typed), page);
   require_page_name("--live", a.live);
+  if (!a.live.empty() && !a.times_from.empty())
+    throw UsageError("--live and --times-from: found both, expected one of them: a page has the model's own times");
   const std::string program = a.live.empty() ? "" : live_program();
   require_file(output_option, output);
 
@@ -212,7 +214,7 @@ int run(const RunArguments& a) {
   show_activity(progress, {});
   settle_units(read, settings);
   read_tables(read, settings);
-  const std::string live = program.empty() ? "" : live_page_of(program, a, read, settings);
+  const std::string live = program.empty() ? "" : live_page_of(program, a, read, settings, a.outputs.states);
   const Recognition recognition =
       recognise(std::move(read), settings, wants_all_states(options.outputs, options.times_from));
   tell_cost(recognition, quiet, progress);

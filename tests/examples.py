@@ -173,7 +173,7 @@ def beside_a_page(folder):
     if not place.exists():
         place.mkdir()
         shutil.copy(dea, place / "dea")
-        (place / "dea.html").write_text('<script type="text/plain" id="sample-model">x</script>\n')
+        (place / "dea.html").write_text('<script type="text/plain" id="sample-model" data-gives-way="1">x</script>\n')
     return place / "dea"
 
 

@@ -29,6 +29,11 @@ class Hand {
     this.go(words);
     this.settle(words);
   }
+  // Nothing is asked or shown any more.
+  stop() {
+    this.end(this.timer);
+    this.send = this.show = this.again = () => {};
+  }
   // Is what is drawn exact, and of where the hand is?
   get settled() { return this.shown === 2 * this.place + 1; }
 

@@ -4,9 +4,11 @@
 
 const Live = (() => {
   let place = null, hand = null, frame = null, base = [], workers = {}, rows = [], past = [], now = "", about = null;
-  let shown = null;   // what is drawn: { answer, quick, here }
-  let kept = null;    // beside it: { answer, line }
+  let shown = null;   // what is drawn: { answer, words, quick, here }
+  let kept = null;    // beside it: { answer, words }
   let names = null;   // of units
+  let ends = [];      // times of the run's states
+  let fail = null;    // what is done when a worker has ended
   const number = (x, digits = 4) => (x === null || x === undefined ? "–" : String(Number(x.toPrecision(digits))).replace("-", "−"));
   const kQuantities = ["p99", "mean", "area", "peak"];
 
@@ -14,6 +16,7 @@ const Live = (() => {
     Plan.end();
     for (const w of Object.values(workers)) w.end();
     workers = {};
+    if (hand) hand.stop();
     hand = shown = kept = null;
     if (place) { place.parentElement.classList.remove("holding"); place.remove(); }
     if (place && frame.contentWindow && frame.contentWindow.hold) frame.contentWindow.hold(null);  // the run's own states
@@ -32,15 +35,15 @@ const Live = (() => {
   function row(what) {
     const id = `hand-${rows.length}`, { label, least, most, step, start } = what;
     const range = make("input", { type: "range", min: least, max: most, step, value: start, "aria-label": what.whose ? `${what.whose}: ${label}` : label });
-    const typed = make("input", { type: "number", step: "any", value: start, id });
+    const typed = make("input", { type: "number", step: "any", value: start, id, "aria-label": range.getAttribute("aria-label") });
     const r = { about: what, get value() { return Number(typed.value); }, set value(x) { typed.value = range.value = String(x); }, element: null };
-    range.addEventListener("input", () => { typed.value = range.value; follow(r); hand.move(words()); });
+    range.addEventListener("input", () => { typed.value = range.value; follow(r); moved(); });
     range.addEventListener("change", () => rested());
     typed.addEventListener("change", () => {
       if (typed.value.trim() === "" || !Number.isFinite(Number(typed.value))) r.value = start;
       range.value = typed.value;
       follow(r);
-      hand.set(words());
+      moved(true);
       rested();
     });
     r.element = make("div", { class: "handle" }, make("label", { for: id, text: label }), range, typed, make("span", { class: "about", text: what.unit || "" }));
@@ -54,9 +57,9 @@ const Live = (() => {
     control.value = what.start;
     const r = { about: what, get value() { return control.value; }, set value(x) { control.value = x; }, element: null };
     control.addEventListener("change", () => {
-      control.value = control.value.replaceAll(" ", "");
+      if (what.like) control.value = control.value.replaceAll(" ", "");
       if (what.like && !what.like.test(control.value)) control.value = what.start;
-      hand.set(words());
+      moved(true);
       rested();
     });
     r.element = make("div", { class: "handle" }, make("label", { for: id, text: what.label }), control, what.like ? make("datalist", { id: id + "-list" }, ...options) : null);
@@ -66,14 +69,21 @@ const Live = (() => {
   const of = (key, whose) => rows.filter((r) => r.about.key === key && (whose === undefined || r.about.whose === whose));
   const one = (key, whose) => of(key, whose)[0];
   const length = (body) => Math.hypot(...of("force", body).map((r) => r.value));
+  // Of the force on a body; of the model's where there is none.
+  function direction(body) {
+    const now = of("force", body).map((r) => r.value), l = Math.hypot(...now);
+    if (l > 0) return now.map((x) => x / l);
+    const model = of("force", body).map((r) => r.about.start), m = Math.hypot(...model);
+    return model.map((x) => x / m);
+  }
+  const sized = (body, size) => direction(body).map((x) => Number((size * x).toPrecision(6)));
 
   // A force has three numbers and a size: one follows the other.
   function follow(r) {
     const body = r.about.whose;
     if (r.about.key === "size") {
-      const before = length(body), parts = of("force", body);
-      const direction = before > 0 ? parts.map((p) => p.value / before) : parts.map((p) => p.about.start / Math.hypot(...parts.map((q) => q.about.start)));
-      parts.forEach((p, i) => { p.value = Number((direction[i] * r.value).toPrecision(6)); });
+      const force = sized(body, r.value);
+      of("force", body).forEach((p, i) => { p.value = force[i]; });
     } else if (r.about.key === "time") {
       r.value = Math.min(r.about.most, Math.max(0, Math.round(r.value)));
       r.element.lastChild.textContent = `time ${number(r.about.times[r.value])}`;
@@ -98,6 +108,12 @@ const Live = (() => {
   const axesOf = () => { const r = one("axes"); return r ? r.value : ""; };
   const text = (x) => String(Number(x));
 
+  // Which state: of a run of all states "last" is as good, and tells more.
+  function stateWord(index) {
+    const all = !base.some((w) => /^--(states|settings)(=|$)/.test(w));
+    return index === ends.length - 1 && all ? "last" : text(ends[index]);
+  }
+
   // What dea run is told of where the hand is; `instead`: values of rows that are not theirs.
   function words(instead = new Map()) {
     const at = (r) => (instead.has(r) ? instead.get(r) : r.value), framed = axesOf() ? `frame:${axesOf()},` : "";
@@ -105,21 +121,50 @@ const Live = (() => {
     const say = (option, key, value) => { line = without(line, option, key); said.push(option, key === null ? value : `${key}=${value}`); };
     for (const body of new Set(of("turn").map((r) => r.about.whose))) {
       const turns = of("turn", body).filter((r) => at(r) !== 0), about = one("about", body);
-      if (turns.length && about.value !== "sphere-center") say("--rotate-about", body, about.value);
+      if (about.value !== about.about.said) say("--rotate-about", body, about.value);
       for (const r of turns) said.push("--rotate", `${body}=${framed}${r.about.axis.join()},${text(at(r))}`);
       const moves = of("move", body);
       if (moves.some((r) => at(r) !== 0)) said.push("--move", `${body}=${framed}${moves.map((r) => text(at(r))).join()}`);
-      const size = one("size", body);
-      let force = of("force", body).map(at);
-      if (instead.has(size)) { const l = Math.hypot(...force); force = force.map((x) => Number((l > 0 ? x * instead.get(size) / l : 0).toPrecision(6))); }
+      const size = one("size", body), force = instead.has(size) ? sized(body, instead.get(size)) : of("force", body).map(at);
       if (force.some((x, i) => x !== of("force", body)[i].about.start)) say("--force", body, force.map(text).join());
     }
-    for (const option of ["E", "nu"]) for (const r of of(option)) if (at(r) !== r.about.start) say(`--${option}`, r.about.surface, text(at(r)));
-    for (const r of of("thick")) if (at(r) !== 1) say("--thickness-scale", null, text(at(r)));
+    for (const option of ["E", "nu", "thickness-scale"]) for (const r of of(option)) if (at(r) !== r.about.start) say(`--${option}`, r.about.surface, text(at(r)));
     for (const r of of("law")) if (r.value !== r.about.start) say("--law", null, r.value);
     const time = one("time");
-    return [...without(line, "--states", null), ...said, "--states", time && at(time) < time.about.most ? text(time.about.times[at(time)]) : "last"];
+    return [...without(line, "--states", null), ...said, "--states", stateWord(time ? at(time) : ends.length - 1)];
   }
+
+  // All that two rows leave as it is; of a force that one of them changes, the direction or nothing.
+  function elsewhere(a, b) {
+    const kin = (r, key) => [a, b].some((x) => x.about.key === key && x.about.whose === r.about.whose);
+    return JSON.stringify(rows.map((r) => {
+      if (r === a || r === b || (r.about.key === "size" && kin(r, "force"))) return null;
+      if (r.about.key === "force" && kin(r, "size")) return direction(r.about.whose).map((x) => x.toFixed(4));
+      return r.value;
+    }));
+  }
+
+  // The hand has moved: what is drawn is of a place before. `rests`: it stays here.
+  function moved(rests = false) {
+    if (!hand) return;
+    const line = words();
+    $("hand-line").textContent = commandLine(line);
+    if (shown) wasThere();
+    if (rests) hand.set(line); else hand.move(line);
+  }
+  function wasThere() {
+    shown.here = false;
+    place.dataset.exact = "false";
+    place.classList.add("coarse");
+    $("hand-what").textContent = "Of a moment ago";
+    $("hand-other").textContent = "";
+    $("hand-keep").disabled = !kept;
+    const hold = frame.contentWindow && frame.contentWindow.hold, now = handles(), drawn = JSON.stringify([now.map((h) => [h.at, h.axis, h.size]), noteOf(shown)]);
+    if (hold && drawn !== wasThere.drawn) hold.handles(now, noteOf(shown));
+    wasThere.drawn = drawn;
+    Plan.follow();
+  }
+  const noteOf = (s) => (!s ? "" : s.here ? (s.quick ? ", coarse" : "") : ", a moment ago");
 
   // Where the hand rested, to go back to.
   const places = () => JSON.stringify(rows.map((r) => r.value));
@@ -134,7 +179,7 @@ const Live = (() => {
     JSON.parse(at).forEach((x, i) => { rows[i].value = x; });
     of("time").forEach(follow);
     now = at;
-    hand.set(words());
+    moved(true);
   }
   function undo() {
     if (!past.length) return;
@@ -145,7 +190,7 @@ const Live = (() => {
     rows.forEach((r) => { r.value = r.about.start; });
     of("time").forEach(follow);
     rested();
-    hand.set(words());
+    moved(true);
   }
 
   // ---- handles on the map ----
@@ -163,14 +208,19 @@ const Live = (() => {
     const mass = about.bodies.find((b) => b.name === body).center_of_mass;
     return how.includes(",") ? how.split(",").map(Number) : mass;
   }
+  // Does the force of the last step act at the time that is shown? Rows of a table come after it.
+  function forceActs() {
+    const time = one("time"), last = about.steps.at(-1);
+    return !time || base.some((w) => /^--(loads|motion)(=|$)/.test(w)) || ends[time.value] > last.start;
+  }
   function handles() {
     const body = $("hand-body").value;
-    if (!body) return [];
+    if (!body || !hand) return [];
     const at = center(body), xyz = axes(), out = [];
     for (const key of ["turn", "move"])
       xyz.forEach((axis, i) => out.push({ key: `${key} ${i}`, kind: key, body, row: of(key, body)[i], at, axis, colour: [1, 2, 0][i], text: key === "move" ? "xyz"[i] : "" }));
     const force = of("force", body).map((r) => r.value), l = length(body);
-    if (l > 0) out.push({ key: "load", kind: "load", body, at, axis: force.map((x) => x / l), size: Math.min(1, l / one("size", body).about.most), colour: null, text: `${number(l, 3)}${names?.force ? " " + names.force : ""}` });
+    if (l > 0 && forceActs()) out.push({ key: "load", kind: "load", body, at, axis: force.map((x) => x / l), size: Math.min(1, l / one("size", body).about.most), colour: null, text: `${number(l, 3)}${names?.force ? " " + names.force : ""}` });
     return out;
   }
   // Kept to steps that can be read.
@@ -189,7 +239,7 @@ const Live = (() => {
       r.value = stepped(r, dragged.exact);
       dragged.value = r.value;
     }
-    hand.move(words());
+    moved();
   }
 
   // ---- what is shown ----
@@ -197,12 +247,12 @@ const Live = (() => {
   const surfacesOf = (answer) => new Map(answer && answer.text && answer.text.solved ? answer.text.surfaces.map((s) => [s.name, { values: answer.pressure.subarray(s.begin, s.begin + s.count), edge: s.edge ?? Infinity }]) : []);
   const rowsOf = (answer) => (answer && answer.text && answer.text.solved ? answer.text.state.contacts.map((c) => ({ name: c.name, values: [...kQuantities.map((k) => c.headline?.[k] ?? null), Math.hypot(...c.force)] })) : []);
 
-  const settledWell = () => !!shown && shown.here && !shown.quick && !!shown.answer.text && shown.answer.text.solved;
+  const settledWell = () => !!shown && !!hand && hand.settled && shown.here && !shown.quick && !!shown.answer.text && shown.answer.text.solved;
 
   // `here`: the answer is of where the hand is.
-  function show(answer, { quick, here }) {
+  function show(answer, { words, quick, here }) {
     const text = answer.text, ok = !!text && text.solved;
-    shown = { answer, quick, here };
+    shown = { answer, words, quick, here };
     place.dataset.ask = String(answer.ask);
     place.dataset.exact = String(!quick && here);
     $("hand-what").textContent = !text ? "No answer" : !ok ? (quick ? "No coarse solution here" : "No solution here") : quick ? "Coarse, while it moves" : here ? "Exact: what dea run gives" : "Exact, of a moment ago";
@@ -235,8 +285,8 @@ const Live = (() => {
   function draw() {
     const hold = frame && frame.contentWindow && frame.contentWindow.hold;
     if (!hold) return;
-    const { answer, quick, here } = shown || {};
-    hold({ note: !shown ? "" : here ? (quick ? ", coarse" : "") : ", a moment ago", surfaces: surfacesOf(answer), beside: kept ? surfacesOf(kept.answer) : null, handles: handles(), onhandle: dragged });
+    wasThere.drawn = "";
+    hold({ note: noteOf(shown), surfaces: surfacesOf(shown && shown.answer), beside: kept ? surfacesOf(kept.answer) : null, handles: handles(), onhandle: dragged });
   }
   // Searched once more from where the hand left the bodies.
   function again(answer, exact) {
@@ -260,10 +310,11 @@ const Live = (() => {
 
   function keep() {
     if (!kept && !settledWell()) return;
-    kept = kept ? null : { answer: shown.answer, line: $("hand-line").textContent };
+    kept = kept ? null : { answer: shown.answer, words: shown.words };
     $("hand-keep").textContent = kept ? "Put the kept one away" : "Keep this beside";
-    $("hand-kept").textContent = kept ? "Kept: " + kept.line : "";
-    numbers();
+    $("hand-kept").textContent = kept ? "Kept: " + commandLine(kept.words) : "";
+    $("hand-keep").disabled = !kept && !settledWell();
+    if (shown) numbers();
     draw();
   }
   async function saveCase(model, files) {
@@ -281,6 +332,7 @@ const Live = (() => {
     frame = page;
     about = info;
     names = info.unit_names;
+    ends = times;
     base = line;
     rows = [];
     past = [];
@@ -303,9 +355,11 @@ const Live = (() => {
       // of a body with several surfaces each has a sphere of its own
       const own = [...new Map(sides.filter((s) => s.body === b.name).map((s) => [s.surface, s])).values()], of = (s) => s.sphere.center.map((x) => Number(x.toPrecision(6))).join();
       const points = [...(own.length === 1 ? [["sphere-center", `centre of the sphere of ${own[0].surface}`]] : own.map((s) => [of(s), `centre of the sphere of ${s.surface}`])), ["com", "centre of mass"]];
-      box.append(choice({ key: "about", whose, label: "turn about", words: points, start: own.length === 1 ? "sphere-center" : "com", like: /^(sphere-center|com|(-?[\d.]+(e-?\d+)?,){2}-?[\d.]+(e-?\d+)?)$/ }));
+      const set = info.settings.rotate_about?.[b.name], said = set ? String(set) : "sphere-center";
+      box.append(choice({ key: "about", whose, label: "turn about", words: points, said, start: set || own.length === 1 ? said : "com", like: /^(sphere-center|com|(-?[\d.]+(e-?\d+)?,){2}-?[\d.]+(e-?\d+)?)$/ }));
       const force = loads[b.name] && loads[b.name].force;
-      if (force && force.some((x) => x !== 0)) {
+      const byTable = info.settings.load_body === b.name && info.settings.loads;
+      if (!byTable && force && force.some((x) => x !== 0)) {
         const size = Math.hypot(...force), most = 2 * size, step = Number((most / 400).toPrecision(1));
         box.append(row({ key: "size", whose, label: "size of the force", unit: names?.force || "", least: 0, most, step, start: Number(size.toPrecision(6)) }));
         ["x", "y", "z"].forEach((axis, i) => box.append(row({ key: "force", whose, label: `force along ${axis}`, unit: names?.force || "", least: -most, most, step, start: force[i] })));
@@ -317,11 +371,9 @@ const Live = (() => {
     for (const [surface, s] of surfaces) {
       cartilage.append(row({ key: "E", surface, label: `E of ${surface}`, unit: names?.pressure || "", least: s.E / 4, most: 4 * s.E, step: Number((s.E / 100).toPrecision(1)), start: s.E }));
       if (s.nu > 0) cartilage.append(row({ key: "nu", surface, label: `nu of ${surface}`, least: 0, most: 0.49, step: 0.01, start: s.nu }));
+      cartilage.append(row({ key: "thickness-scale", surface, label: `thickness of ${surface}, times`, least: 0.3, most: 2, step: 0.01, start: s.thickness_scale }));
     }
-    if (surfaces.size) {
-      cartilage.append(row({ key: "thick", label: "thickness, times", least: 0.3, most: 2, step: 0.01, start: 1 }));
-      groups.append(cartilage);
-    }
+    if (surfaces.size) groups.append(cartilage);
     groups.prepend(general);
     of("time").forEach(follow);
     const grip = make("select", { id: "hand-body", onchange: draw }, ...bodies.map((b) => make("option", { value: b.name, text: b.name })), make("option", { value: "", text: "none" }));
@@ -338,17 +390,29 @@ const Live = (() => {
       make("pre", { id: "hand-line" }), make("p", { class: "about", id: "hand-kept" }), Plan.element());
     frame.before(place);
     place.parentElement.classList.add("holding");
-    const failed = (text) => { $("hand-what").textContent = text; shown = null; draw(); };
-    for (const kind of ["quick", "exact"]) workers[kind] = Program.stay(files, (answer) => hand && hand.answered(answer), failed);
-    hand = new Hand((q) => { $("hand-line").textContent = commandLine(words()); workers[q.quick ? "quick" : "exact"].ask(q); }, show, { again });
+    // a worker that has ended answers no more, and the joint with it
+    fail = (text) => {
+      if (!hand) return;
+      for (const w of Object.values(workers)) w.end();
+      hand.stop();
+      hand = shown = kept = null;
+      for (const e of place.querySelectorAll(".handles input, .handles select, button:not(#hand-down), #hand-body")) e.disabled = true;
+      place.dataset.exact = "false";
+      $("hand-what").textContent = "No answer";
+      for (const id of ["hand-numbers", "hand-remarks"]) $(id).replaceChildren();
+      for (const id of ["hand-bodies", "hand-seconds", "hand-kept"]) $(id).textContent = "";
+      $("hand-other").textContent = `${text} Put it down, and take it in the hand again.`;
+      draw();
+    };
+    for (const kind of ["quick", "exact"]) workers[kind] = Program.stay(files, (answer) => hand && hand.answered(answer), fail);
+    hand = new Hand((q) => workers[q.quick ? "quick" : "exact"].ask(q), show, { again });
     Plan.start({
       rows: rows.filter((r) => typeof r.value === "number" && r.about.key !== "time"), words, files, contacts: contacts.map((c) => c.name), number, names,
       tools: () => frame.contentWindow && frame.contentWindow.hold,
-      move(values) { for (const [r, x] of values) { r.value = stepped(r, x); follow(r); } hand.move(words()); }, rested,
-      line: () => base
+      move(values) { for (const [r, x] of values) { r.value = stepped(r, x); follow(r); } moved(); }, rested, elsewhere
     });
     now = places();
-    hand.set(words());
+    moved(true);
   }
-  return { start, end, words, get hand() { return hand; }, get rows() { return rows; }, get shown() { return shown; } };
+  return { start, end, words, get on() { return !!place; }, get fail() { return fail; }, get hand() { return hand; }, get rows() { return rows; }, get shown() { return shown; } };
 })();

@@ -27,7 +27,7 @@ def digits(data):
 
 def packed(name, data, attributes=""):
     small = gzip.compress(data, 9, mtime=0)
-    return f'<script type="text/plain" id="{name}" data-bytes="{len(small)}"{attributes}>{"".join(digits(small))}</script>\n'
+    return f'<script type="text/plain" id="{name}"{attributes} data-bytes="{len(small)}">{"".join(digits(small))}</script>\n'
 
 
 def main():
@@ -46,7 +46,7 @@ def main():
         "live": (here / "live.js").read_text(),
         "packed": packed("code", code.read_bytes() + b"\n" + (here / "worker.js").read_bytes())
         + packed("module", module.read_bytes())
-        + packed("sample-model", sample.read_bytes(), f' data-name="{sample.name}"')
+        + packed("sample-model", sample.read_bytes(), f' data-gives-way="1" data-name="{sample.name}"')
         + packed("licence-texts", licences.read_bytes()),
     }
     html = (here / "dea.html").read_text()

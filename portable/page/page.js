@@ -8,12 +8,13 @@ const fault = (text) => make("p", { class: "fault", text });
 // What a page made by dea run --live has: files in base64 of a zlib stream, and words of their run.
 async function given() {
   const bytes = (element) => Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
-  const files = [];
+  const files = [], kinds = new Map();
   for (const element of document.querySelectorAll("script.given")) {
     const plain = new Response(new Blob([bytes(element)]).stream().pipeThrough(new DecompressionStream("deflate")));
     files.push(new File([await plain.blob()], element.dataset.name));
+    kinds.set(element.dataset.name, element.dataset.kind);
   }
-  return { files, words: files.length ? JSON.parse(new TextDecoder().decode(bytes($("given-words")))) : [] };
+  return { files, kinds, words: files.length ? JSON.parse(new TextDecoder().decode(bytes($("given-words")))) : [] };
 }
 
 // portable/page/make_page: gzip, then 13 bits in two characters.
@@ -103,8 +104,11 @@ const commandLine = (words) => ["dea", ...words].map(quoted).join(" ");
 function splitWords(text) {
   const words = [];
   let word = null, quote = "";
+  let escaped = false;
   for (const c of text) {
-    if (quote) { if (c === quote) quote = ""; else word += c; }
+    if (escaped) { word = (word ?? "") + c; escaped = false; }
+    else if (c === "\\" && !quote) escaped = true;
+    else if (quote) { if (c === quote) quote = ""; else word += c; }
     else if (c === '"' || c === "'") { quote = c; word ??= ""; }
     else if (/\s/.test(c)) { if (word !== null) words.push(word); word = null; }
     else word = (word ?? "") + c;
@@ -120,15 +124,16 @@ const Files = (() => {
   const all = new Map();  // name -> { file, kind, number }
   let count = 0;
   const kinds = { feb: "model", xml: "settings", xplt: "result" };
-  const words = { model: "the model", settings: "settings file, below what is set here", result: "to compare with", table: "a table: choose it in the settings" };
+  const words = { model: "the model", settings: "settings file, below what is set here", result: "to compare with", table: "a table: choose it in the settings", part: "a part of the model" };
   const kindOf = (name) => kinds[name.split(".").pop().toLowerCase()] || "table";
   const names = (kind) => [...all.keys()].filter((n) => all.get(n).kind === kind);
-  function add(list) {
-    const models = list.filter((f) => kindOf(f.name) === "model"), said = [];
+  // `kinds`: of those whose names do not tell.
+  function add(list, kinds = new Map()) {
+    const kindIs = (name) => kinds.get(name) || kindOf(name), models = list.filter((f) => kindIs(f.name) === "model"), said = [];
     // a new model is a new start
     if (models.length && names("model").length) { all.clear(); Form.clear(); }
     for (const file of list) {
-      const kind = kindOf(file.name);
+      const kind = kindIs(file.name);
       if (kind === "model" && file !== models[0]) { said.push(`One model at a time: ${models[0].name} is opened, ${file.name} is not.`); continue; }
       if (kind === "settings") names("settings").forEach((n) => all.delete(n));
       all.delete(file.name);
@@ -308,7 +313,8 @@ const Form = (() => {
 
 // ---- recognise, solve, compare ----
 
-let recognising = null, solving = null, solved = null, waiting = 0, refused = false, recognised = null;
+let recognising = null, solving = null, solved = null, waiting = 0, refused = false;
+let recognised = null;  // { info: of dea info --json, key: what it is of }
 const told = { files: [], info: [], run: [] };  // what is wrong, by who said it
 
 // What a run depends on.
@@ -362,7 +368,7 @@ async function recognise() {
   let typed;
   try { typed = Form.words("info"); } catch (error) { tell("info", [error.message]); return; }
   const words = ["info", typedName(model), ...typed, ...settingsFile(), "--json", json];
-  const run = Program.run(words, Files.list.filter((f) => !/\.xplt$/i.test(f.name) || f.name === model));
+  const run = Program.run(words, Files.list.filter((f) => !/\.xplt$/i.test(f.name) || f.name === model)), key = asked();
   recognising = run;
   if (!solving) $("activity").textContent = kLooking;
   const answer = await run.done;
@@ -376,7 +382,11 @@ async function recognise() {
     $("model").hidden = false;
     $("info").textContent = answer.output;
     const made = answer.made.find((m) => m.name === json);
-    if (made) Form.suggest(recognised = JSON.parse(await made.blob.text()));
+    if (made) {
+      recognised = { info: JSON.parse(await made.blob.text()), key };
+      Form.suggest(recognised.info);
+      if (solved && solved.key === key && !solving && !$("take")) await takeInHand($("result"));  // it was solved sooner
+    }
   } else {
     // a setting may be what is wrong: it stays in reach
     $("model").hidden = !Form.set();
@@ -468,6 +478,7 @@ function showAge() {
   $("result").classList.toggle("old", old);
   if ($("age")) $("age").hidden = !old;
   if (old) Live.end();
+  if ($("take")) $("take").hidden = old || Live.on;
 }
 
 async function showResult() {
@@ -485,13 +496,14 @@ async function showResult() {
 
 // A run that has a page, of the model's own times.
 async function takeInHand(place) {
-  const frame = place.querySelector("iframe"), { line, files, parts } = solved;
-  if (!line || !frame || !recognised || parts[0].code > 1 || line.some((w) => /^--times-from(=|$)/.test(w))) return;
+  const frame = place.querySelector("iframe"), { line, files, parts } = solved, info = recognised && recognised.key === solved.key ? recognised.info : null;
+  if (!line || !frame || !info || parts[0].code > 1 || line.some((w) => /^--times-from(=|$)/.test(w))) return;
   const json = parts[0].made.find((m) => m.name === parts[0].words[parts[0].words.indexOf("--json") + 1].replace(/^\.\//, ""));
   const times = JSON.parse(await json.blob.text()).states.map((s) => s.time);
+  if ($("take")) return;
   const take = () => {
     button.hidden = true;
-    Live.start(recognised, line, files, times, frame, () => { button.hidden = false; button.focus(); });
+    Live.start(info, line, files, times, frame, () => { button.hidden = false; button.focus(); });
   };
   const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: take });
   frame.before(make("p", {}, button));
@@ -542,8 +554,8 @@ async function partElement({ title, words, code, fault: broken, lines, output, m
 
 // ---- the page ----
 
-function open(list) {
-  const said = Files.add(list);
+function open(list, kinds) {
+  const said = Files.add(list, kinds);
   tell("files", said);
   changed(true);
 }
@@ -593,12 +605,12 @@ async function start() {
   document.documentElement.dataset.ready = "true";
   const version = await Program.run(["--version"], []).done;
   $("version").textContent = (version.output || "").trim().split("\n").join("; ");
-  const { files, words } = await given();
+  const { files, kinds, words } = await given();
   if (!files.length) return;
   $("sample").remove();
   document.title = `${files[0].name.replace(/\.[^.]*$/, "")} in the hand`;
   Form.say(words);
-  open(files);
+  open(files, kinds);
   clearTimeout(waiting);
   await recognise();
   await solve(true);

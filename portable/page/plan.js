@@ -29,7 +29,7 @@ const Plan = (() => {
       make("div", { class: "controls", id: "plan-shown", hidden: true }, pick("plan-what", "Show ", kQuantities.map((k) => [k, k])), pick("plan-contact", "of ", of.contacts.map((c, i) => [String(i), c])),
         make("button", { id: "plan-study", text: "Copy as dea study", onclick: copyStudy }), make("span", { class: "about", id: "plan-progress" })),
       make("p", { class: "fault", id: "plan-fault", hidden: true }),
-      make("canvas", { id: "plan-map", width: 0, height: 0, hidden: true, tabindex: "0", role: "img" }), make("canvas", { id: "plan-bar", hidden: true }), make("p", { id: "plan-text", role: "status" }));
+      make("canvas", { id: "plan-map", width: 0, height: 0, hidden: true, tabindex: "0", role: "application", "aria-roledescription": "map of two settings" }), make("canvas", { id: "plan-bar", hidden: true }), make("p", { id: "plan-text", role: "status" }));
     $("plan-count").value = "21";
     $("plan-b").value = String(Math.min(1, list.length - 1));
     for (const axis of ["a", "b"]) {
@@ -57,10 +57,8 @@ const Plan = (() => {
           if (!seen.has(j * n + i)) { seen.add(j * n + i); out.push({ i, j, step }); }
     return out;
   }
-  // All that the grid does not change: another value of it is another grid.
-  const rest = () => JSON.stringify(of.words(new Map([[grid.a.row, grid.a.row.about.start], [grid.b.row, grid.b.row.about.start]])));
-  // Is the grid that of where the hand is?
-  const live = () => !!grid && rest() === grid.rest;
+  // Is the grid that of where the hand is? Another value of anything else is another grid.
+  const live = () => !!grid && of.elsewhere(grid.a.row, grid.b.row) === grid.rest;
 
   function axis(name) {
     const row = of.rows[Number($(`plan-${name}`).value)], least = Number($(`plan-${name}-least`).value), most = Number($(`plan-${name}-most`).value);
@@ -78,7 +76,7 @@ const Plan = (() => {
     if (![a, b].every((x) => Number.isFinite(x.least) && x.least < x.most)) { fault("A range has to end above its beginning."); return; }
     stop();
     grid = { a, b, n, cells: new Array(n * n).fill(null), done: 0, began: performance.now(), seconds: 0 };
-    grid.rest = rest();
+    grid.rest = of.elsewhere(a.row, b.row);
     const mine = grid, waiting = order(n), all = waiting.length;
     for (const cell of waiting) cell.words = of.words(new Map([[a.row, a.at(cell.i, n)], [b.row, b.at(cell.j, n)]]));
     $("plan-go").textContent = "Stop";
@@ -175,12 +173,13 @@ const Plan = (() => {
     const inside = at && at.every((x) => x >= -0.5 && x <= n - 0.5);
     if (inside) ring(across(f, at[0]), up(f, at[1]), 5, true);
     map.style.opacity = live() ? "1" : "0.45";
+    map.style.touchAction = live() ? "none" : "auto";
     $("plan-progress").textContent = grid.done < n * n ? `${grid.done} of ${n * n}` : `${n * n} places in ${of.number(grid.seconds || (performance.now() - grid.began) / 1000, 3)} s`;
     const unit = { p99: "pressure", mean: "pressure", peak: "pressure", area: "area", force: "force" }[$("plan-what").value], named = of.names?.[unit] ? ` ${of.names[unit]}` : "";
     const none = cells.filter((x) => x && !x.values).length, place_ = (i, j) => `${label(a.row)} ${of.number(a.at(i, n), 3)}, ${label(b.row)} ${of.number(b.at(j, n), 3)}`;
     const said = !known.length ? "" : `${$("plan-what").value} from ${of.number(least)} at ${place_(best % n, Math.floor(best / n))} to ${of.number(most)}${named}.` + (none ? ` ${none} without a solution: crossed out.` : "") + (live() ? (inside ? "" : " The hand is beyond this grid.") : " The hand has changed something else since: work it out again.");
     if (!dragging && grid.done === n * n) { if ($("plan-text").textContent !== said) $("plan-text").textContent = said; }
-    map.setAttribute("aria-label", `${$("plan-what").value} over two settings. ${said}`);
+    map.setAttribute("aria-label", `${$("plan-what").value} over two settings; arrow keys move the hand. ${said}`);
     if (tools && known.length) {
       const step = tools.step(least, most > least ? most : least + 1);
       tools.bar($("plan-bar"), { map: "sequential", least, most: most > least ? most : least + 1, level: step, title: `${$("plan-what").value} of ${of.contacts[Number($("plan-contact").value)]}${named}`, noneText: "", lowest: least, highest: most }, tools.theme(), false);
@@ -223,11 +222,12 @@ const Plan = (() => {
     const line = of.words(new Map([[a.row, mark(0)], [b.row, mark(1)]])), out = ["study", line[1]], factors = [];
     for (let i = 2; i < line.length; ++i) {
       const hits = [a, b].map((x, k) => [x, String(mark(k))]).filter(([, m]) => line[i].includes(m));
-      if (hits.length > 1 || (hits.length && /size/.test(hits[0][0].row.about.key))) return null;
+      if (hits.length > 1) return null;
       if (!hits.length) { out.push(line[i]); continue; }
       const [x, m] = hits[0], option = out.pop();
       factors.push("--vary", `${x === a ? "across" : "up"}: ${option} ${line[i].replace(m, `{${rounded(x.least)}:${rounded(x.most)}:${Number(((x.most - x.least) / (n - 1)).toPrecision(12))}}`)}`);
     }
+    if (factors.length !== 4) return null;  // a size is three numbers
     return commandLine([...out, ...factors, "-o", "plan.db"]);
   }
   async function copyStudy() {

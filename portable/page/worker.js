@@ -63,7 +63,7 @@ async function begin({ module, words, files, live: stays }) {
           const code = dea.ccall("dea_live", "number", ["string", "number", "string"], ["dea\n" + words.map((w) => w + "\n").join(""), quick ? 1 : 0, from ? JSON.stringify(from) : ""]);
           const text = dea.ccall("dea_live_text", "string"), answer = text ? JSON.parse(text) : null;
           const count = answer ? answer.surfaces.reduce((n, s) => Math.max(n, s.begin + s.count), 0) : 0;
-          const at = dea.ccall("dea_live_pressure", "number") >> 2, pressure = dea.HEAPF32.slice(at, at + count);
+          const at = dea.ccall("dea_live_pressure", "number") >>> 2, pressure = dea.HEAPF32.slice(at, at + count);
           postMessage({ ask, code, text: answer, pressure, lines, seconds: (performance.now() - asked) / 1000, memory: dea.HEAPU8.length }, [pressure.buffer]);
         } catch (error) {
           postMessage({ fault: `${why} ${error && error.message ? error.message : error}`.trim() });

@@ -47,7 +47,7 @@ def take(b, pages, *files, **settings):
 def put(b, key, value, nth=0):
     """Types a number, or chooses a word, in the nth row of this key."""
     b.run("""const [key, value, nth] = arguments, r = Live.rows.filter(r => r.about.key === key)[nth];
-             const e = r.element.querySelector('input[type=number], select');
+             const e = r.element.querySelector('input[type=number], input[type=text], select');
              e.value = value;
              e.dispatchEvent(new Event('change', { bubbles: true }))""", key, value, nth)
     b.wait(EXACT, 120, f"the exact answer of {key} {value}")
@@ -184,7 +184,7 @@ def twenty_places_give_what_dea_run_gives(b, pages):
     take(b, pages, HIP)
     times, worst = [], 0.0
     moves = [(k, n, s) for k, count in (("turn", 3), ("move", 3), ("force", 3)) for n in range(count) for s in (0.02, -0.012)]
-    moves += [("E", 0, 0.03), ("E", 1, -0.02), ("thick", 0, 0.04), ("size", 0, 0.05)]
+    moves += [("E", 0, 0.03), ("E", 1, -0.02), ("thickness-scale", 1, 0.04), ("size", 0, 0.05)]
     for i, move in enumerate(moves):
         drag(b, move)
         worst = max(worst, as_dea_run(b, pages, f"step {i}, {move}"))
@@ -254,6 +254,76 @@ def the_knee_follows_the_hand(b, pages):
     put(b, "force", -4000, 2)  # nothing holds the shank on that side
     if state(b)["outcome"] != "Balanced":
         no_map(b, "no balance")
+
+
+@check
+def what_the_line_had_is_where_the_hand_begins(b, pages):
+    more = "--rotate-about femur=com --thickness-scale 1.2 --states 0.5:1.5 --layer-terms 1 --frame 'left hip=0,1,0/0,0,1/1,0,0'"
+    ready(b, pages)
+    drop(b, HIP)
+    recognised(b)
+    b.run("const e = document.getElementById('more'); e.value = arguments[0]; e.dispatchEvent(new Event('input', { bubbles: true }))", more)
+    recognised(b)
+    solve(b)
+    b.wait("document.getElementById('take')", 20, "the button")
+    b.click("#take")
+    b.wait(EXACT, 120, "the first exact answer")
+    same(b.run("return ['about', 'thickness-scale', 'time'].map(k => Live.rows.find(r => r.about.key === k).value)"), ["com", 1.2, 11], "where the rows begin")
+    same(line(b)[-2:], ["--states", "1.5"], "the last state of the run, not of the model")
+    as_dea_run(b, pages, "the line's own place")
+    put(b, "axes", "left hip")
+    put(b, "turn", 3)
+    same([w for w in line(b) if w.startswith("femur=frame")], ["femur=frame:left hip,1,0,0,3"], "a turn about an axis of a frame")
+    as_dea_run(b, pages, "about an axis of a frame")
+    put(b, "about", "sphere-center")
+    same(line(b).count("--rotate-about"), 1, "points to turn about")
+    as_dea_run(b, pages, "about another point")
+    put(b, "thickness-scale", 1.25)
+    as_dea_run(b, pages, "another thickness")
+    # a grid of other axes is another one
+    b.run("document.getElementById('plan').open = true; document.getElementById('plan-count').value = '6'; document.getElementById('plan-go').click()")
+    b.wait("Plan.grid && Plan.grid.done === 36", 120, "the grid")
+    b.wait("document.getElementById('plan-map').style.opacity === '1'", 10, "the grid of this place")
+    put(b, "axes", "")
+    b.wait("document.getElementById('plan-map').style.opacity === '0.45'", 10, "the grid of other axes")
+
+
+@check
+def nothing_of_a_moment_ago_is_taken_for_now(b, pages):
+    take(b, pages, HIP)
+    told = b.run("""const r = Live.rows.find(r => r.about.key === 'turn'), e = r.element.querySelector('input[type=range]');
+        e.value = 8; e.dispatchEvent(new Event('input', { bubbles: true }));
+        document.getElementById('hand-keep').click();
+        return [document.getElementById('hand-what').textContent, document.getElementById('hand').dataset.exact, document.getElementById('hand-keep').disabled, document.getElementById('hand-kept').textContent,
+                document.querySelector('#result iframe').contentDocument.getElementById('now').textContent]""")
+    same(told, ["Of a moment ago", "false", True, "", "in the hand, a moment ago"], "what is shown before there is an answer")
+    b.run("Live.rows.find(r => r.about.key === 'turn').element.querySelector('input[type=range]').dispatchEvent(new Event('change', { bubbles: true }))")
+    b.wait(EXACT, 60, "the exact answer")
+    same(in_page(b, 0, lambda b: b.run("Page.setFrame(3); const drawn = []; const save = Figures.saveCanvas; Figures.saveCanvas = (c, name) => drawn.push(name); document.getElementById('save-maps').click(); Figures.saveCanvas = save; return drawn")),
+         ["hip_walking_acetabular_articulating_in_the_hand"], "the name of a picture")
+    # thirty small moves of the load's arrow, however many answers there are between them, are one long one
+    x, y = handle_at(b, "load")
+    b.cdp("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", buttons=1, clickCount=1)
+    for k in range(1, 31):
+        b.cdp("Input.dispatchMouseEvent", type="mouseMoved", x=x + 2 * k, y=y, button="left", buttons=1)
+    b.cdp("Input.dispatchMouseEvent", type="mouseReleased", x=x + 60, y=y, button="left", buttons=0, clickCount=1)
+    b.wait(EXACT, 60, "the exact answer")
+    turned = b.run("const f = Live.rows.filter(r => r.about.key === 'force').map(r => r.value), m = [432, -262, 1834], l = Math.hypot(...m); return Math.acos(f.reduce((s, v, i) => s + v * m[i] / l / l, 0)) * 180 / Math.PI")
+    true(turned > 15, f"sixty pixels turn the load by {turned:.1f} degrees")
+    # with the joint changed in the form it cannot be taken; back again, it can
+    b.click("#hand-down")
+    setting(b, "--E", "20")
+    b.wait("document.getElementById('take').hidden", 10, "no button on an old result")
+    setting(b, "--E", "")
+    b.wait("!document.getElementById('take').hidden", 10, "the button, once it is of now again")
+    b.click("#take")
+    b.wait(EXACT, 60, "the first exact answer")
+    # a worker that has ended
+    b.run("Live.fail('The worker has ended.')")
+    same(b.run("return [document.getElementById('hand-what').textContent, document.querySelectorAll('#hand-numbers td').length, document.getElementById('hand-keep').disabled]"), ["No answer", 0, True], "after a worker has ended")
+    b.click("#hand-down")
+    b.click("#take")
+    b.wait(EXACT, 60, "the first exact answer, again")
 
 
 @check

@@ -22,7 +22,7 @@ createDea({
     const code = dea.ccall("dea_live", "number", ["string", "number", "string"], ["dea\n" + words.map((w) => w + "\n").join(""), quick ? 1 : 0, follow ? from : ""]);
     const text = dea.ccall("dea_live_text", "string"), answer = text ? JSON.parse(text) : null;
     const count = answer ? answer.surfaces.reduce((n, s) => Math.max(n, s.begin + s.count), 0) : 0;
-    const at = dea.ccall("dea_live_pressure", "number") >> 2, pressure = Array.from(dea.HEAPF32.slice(at, at + count));
+    const at = dea.ccall("dea_live_pressure", "number") >>> 2, pressure = Array.from(dea.HEAPF32.slice(at, at + count));
     if (answer && answer.solved) from = JSON.stringify(answer.bodies);
     const seconds = Number(process.hrtime.bigint() - begin) / 1e9;
     console.log(JSON.stringify({ code, text: answer, pressure, seconds, memory: dea.HEAPU8.length }));

@@ -1002,7 +1002,7 @@ TEST_F(Cli, TheJointOfARunAsAPage) {
   fs::copy_file(DEA_PROGRAM, place / "dea");
   write("program/dea.html",
         "<meta name=\"generator\" content=\"FEBioDEA\"><script type=\"text/plain\" "
-        "id=\"sample-model\">x</script>\n");
+        "id=\"sample-model\" data-gives-way=\"1\">x</script>\n");
   const auto beside = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"run", "flat.feb", "-q", "--no-xplt"});
     return end_of(start(folder, words, folder / "out", folder / "err", (place / "dea").string()), folder / "out",
@@ -1011,7 +1011,7 @@ TEST_F(Cli, TheJointOfARunAsAPage) {
   const Finished made = beside({"--E", "9", "--no-squash", "--live", "a.html"});
   EXPECT_EQ(made.code, 0) << made.err;
   const std::string page = file_text(folder / "a.html");
-  EXPECT_NE(page.find("class=\"given\" data-name=\"flat.feb\""), std::string::npos);
+  EXPECT_NE(page.find("class=\"given\" data-name=\"flat.feb\" data-kind=\"model\""), std::string::npos);
   EXPECT_NE(page.find(base64(R"(["--E","9","--no-squash"])")), std::string::npos);
   EXPECT_EQ(beside({"--live", "a.html"}).code, 0) << "its own page gives way";
   const std::string before = file_text(place / "dea.html");

@@ -145,20 +145,21 @@ TEST(LiveJoint, APageHasTheFilesAndTheWords) {
   const test::TemporaryFolder folder;
   const std::string program = (folder.path / "dea.html").string(), table = (folder.path / "a table.csv").string();
   write_text(program,
-             "<html>\n<script type=\"text/plain\" id=\"sample-model\" data-bytes=\"3\" "
+             "<html>\n<script type=\"text/plain\" id=\"sample-model\" data-gives-way=\"1\" data-bytes=\"3\" "
              "data-name=\"x.feb\">abc</script>\n<script>rest</script>\n</html>\n");
   write_text(table, "time,x\n0,</script>\n");
-  const std::string page = live_page(program, {{"a \"b\".csv", table}}, {"--E", "femur </script>=9"});
+  const std::string page = live_page(program, {{"a \"b\".csv", table, "table"}}, {"--E", "femur </script>=9"});
   const auto part = [&](const std::string& before) {
     const std::size_t begin = page.find(before) + before.size();
     return bytes_of_base64(page.substr(begin, page.find("</script>", begin) - begin)).value();
   };
-  EXPECT_EQ(unpacked_bytes(part("class=\"given\" data-name=\"a &quot;b&quot;.csv\">")), "time,x\n0,</script>\n");
+  EXPECT_EQ(unpacked_bytes(part("class=\"given\" data-name=\"a &quot;b&quot;.csv\" data-kind=\"table\">")),
+            "time,x\n0,</script>\n");
   EXPECT_EQ(Json::parse(part("id=\"given-words\">")), Json::array({"--E", "femur </script>=9"}));
   EXPECT_EQ(page.find("abc"), std::string::npos);
   EXPECT_NE(page.find("\n<script>rest</script>\n</html>\n"), std::string::npos);
   EXPECT_THROW(live_page(table, {}, {}), InputError);
-  EXPECT_THROW(live_page(program, {{"x", (folder.path / "none").string()}}, {}), InputError);
+  EXPECT_THROW(live_page(program, {{"x", (folder.path / "none").string(), "model"}}, {}), InputError);
 }
 
 TEST(LiveJoint, AFaultIsThatOfTheRunAndChangesNothing) {

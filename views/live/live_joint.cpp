@@ -18,6 +18,8 @@ std::shared_ptr<const ReadyJoint> quick_joint(LiveJoint& live, const LiveRequest
   const std::shared_ptr<const ReadyJoint> own = live.joints.get(request.model, settings, nullptr);
   if (!own->prepared.joint.parts.empty()) return own;
   settings.law = Law::Linear;
+  settings.layer_fit = Settings{}.layer_fit;  // of law layer alone
+  settings.inside = false;
   return live.joints.get(request.model, settings, nullptr);
 }
 

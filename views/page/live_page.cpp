@@ -13,7 +13,8 @@ namespace dea {
 namespace {
 
 constexpr double kMemoryPerByte = 5;  // the bytes, packed, as text, and the page
-constexpr const char* kBegin = "<script type=\"text/plain\" id=\"sample-model\"";
+// What portable/page/make_page.py writes; its number rises with what is written here.
+constexpr const char* kBegin = "<script type=\"text/plain\" id=\"sample-model\" data-gives-way=\"1\"";
 constexpr const char* kEnd = "</script>\n";
 
 std::string bytes_of(const std::string& path) {
@@ -24,8 +25,8 @@ std::string bytes_of(const std::string& path) {
 
 /// portable/page/page.js unpacks it.
 std::string element_of(const PageFile& file) {
-  return fmt::format("<script type=\"text/plain\" class=\"given\" data-name=\"{}\">{}{}", escaped(utf8(file.name)),
-                     base64(packed_bytes(bytes_of(file.path))), kEnd);
+  return fmt::format("<script type=\"text/plain\" class=\"given\" data-name=\"{}\" data-kind=\"{}\">{}{}",
+                     escaped(utf8(file.name)), file.kind, base64(packed_bytes(bytes_of(file.path))), kEnd);
 }
 
 }  // namespace

@@ -146,6 +146,15 @@ const Page = (() => {
     nodalCache.clear();
     if (other && state.surface) layPanels(); else update();
   }
+  // Meanwhile, until there is a new one: its handles have moved.
+  function moveHandles(handles, note) {
+    if (!state.held) return;
+    state.held.handles = maps.handles = handles;
+    state.held.note = note;
+    $("now").textContent = heldName();
+    maps.request();
+  }
+  const heldName = () => `in the hand${state.held.note}`;
   const heldPanels = (surface) => (state.held.beside ? ["now", "beside", "difference"] : ["now"]).map((held) => ({ result: 0, quantity: "pressure", surface, held }));
   const heldOf = (q, s, which) => {
     const surfaces = which === "beside" ? state.held.beside : state.held.surfaces;
@@ -297,7 +306,7 @@ const Page = (() => {
     readouts();
     const frame = Report.frames[state.frame];
     $("slider").value = String(state.frame);
-    $("now").textContent = state.held ? `in the hand${state.held.note}` : frame.time === null ? "compared states, at different times" : Format.at(frame.time) + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
+    $("now").textContent = state.held ? heldName() : frame.time === null ? "compared states, at different times" : Format.at(frame.time) + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
     drawFigures();
   }
 
@@ -401,6 +410,7 @@ const Page = (() => {
   }
 
   function setFrame(frame) {
+    if (state.held) return;
     state.frame = Math.min(Report.frames.length - 1, Math.max(0, frame));
     update();
   }
@@ -419,9 +429,9 @@ const Page = (() => {
   // ---- all maps in one picture, on white ----
   function saveMaps() {
     const frame = Report.frames[state.frame], marked = maps.options.marks && panels.some((p) => p.marks.length);
-    const when = frame.time === null ? "compared states, at different times" : Format.at(frame.time);
+    const when = state.held ? heldName() : frame.time === null ? "compared states, at different times" : Format.at(frame.time);
     const words = { columns: state.columns, head: [Report.title, `${shown().map((s) => s.about.title).join(" and ")}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
-    Figures.saveCanvas(mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(frame)}`));
+    Figures.saveCanvas(mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${state.held ? heldName() : Format.time(frame)}`));
   }
 
   // ---- tables, texts, provenance ----
@@ -475,6 +485,6 @@ const Page = (() => {
   }
   startPage(start);
 
-  window.hold = Object.assign(hold, { css: Colours.css, bar: paintBar, step: scaleStep, theme: () => state.theme });
+  window.hold = Object.assign(hold, { css: Colours.css, bar: paintBar, step: scaleStep, handles: moveHandles, theme: () => state.theme });
   return { state, maps, setFrame, setSurface, update, get panels() { return panels; } };
 })();
