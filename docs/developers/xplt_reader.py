@@ -36,7 +36,8 @@ class PlotFile:
     def ints(self, span):
         return struct.unpack_from("<%di" % ((span[1] - span[0]) // 4), self.data, span[0])
 
-    def values(self, dictionary, section, name, region):
+    def place(self, dictionary, section, name, region):
+        """Where the values of a variable are in `data`."""
         names = []
         for _, item in self.chunks(self.child(self.root, 0x01020000, dictionary)):
             b, e = self.child(item, 0x01020004)
@@ -46,8 +47,12 @@ class PlotFile:
             if struct.unpack_from("<I", self.data, b)[0] == names.index(name) + 1:
                 for ident, (b, e) in self.chunks(self.child(variable, 0x02020003)):
                     if ident == region:
-                        return struct.unpack_from("<%df" % ((e - b) // 4), self.data, b)
+                        return b, e
         raise SystemExit("%s: no %s in region %d" % (self.path, name, region))
+
+    def values(self, dictionary, section, name, region):
+        b, e = self.place(dictionary, section, name, region)
+        return struct.unpack_from("<%df" % ((e - b) // 4), self.data, b)
 
     def surface(self, name, field="contact pressure"):
         """Corner nodes of the facets and the field's value per facet."""
