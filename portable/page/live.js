@@ -34,15 +34,19 @@ const Live = (() => {
   // A slider and a number that say the same. `what`: { key, label, unit, least, most, step, start }, and whose it is.
   function row(what) {
     const id = `hand-${rows.length}`, { label, least, most, step, start } = what;
-    const range = make("input", { type: "range", min: least, max: most, step, value: start, "aria-label": what.whose ? `${what.whose}: ${label}` : label });
+    // the model's own value is one of the slider's steps
+    const below = Math.ceil((start - least) / step - 1e-9), above = Math.ceil((most - start) / step - 1e-9), round = (x) => Number(x.toPrecision(7));
+    const range = make("input", { type: "range", min: -below, max: above, step: 1, value: 0, "aria-label": what.whose ? `${what.whose}: ${label}` : label });
     const typed = make("input", { type: "number", step: "any", value: start, id, "aria-label": range.getAttribute("aria-label") });
-    const r = { about: what, get value() { return Number(typed.value); }, set value(x) { typed.value = range.value = String(x); }, element: null };
-    range.addEventListener("input", () => { typed.value = range.value; follow(r); moved(); });
+    const place = (x) => { range.value = String(Math.round((x - start) / step)); range.setAttribute("aria-valuetext", `${number(x)} ${what.unit || ""}`.trim()); };
+    const r = { about: what, range, get value() { return Number(typed.value); }, set value(x) { typed.value = String(x); place(x); }, element: null };
+    place(start);
+    range.addEventListener("input", () => { r.value = range.value === "0" ? start : round(start + Number(range.value) * step); follow(r); moved(); });
     range.addEventListener("change", () => rested());
     typed.addEventListener("change", () => {
-      if (typed.value.trim() === "" || !Number.isFinite(Number(typed.value))) r.value = start;
-      range.value = typed.value;
-      follow(r);
+      const empty = typed.value.trim() === "" || !Number.isFinite(Number(typed.value));
+      r.value = empty ? start : what.key === "size" ? Math.max(0, r.value) : r.value;
+      if (empty && what.key === "size") of("force", what.whose).forEach((p) => { p.value = p.about.start; }); else follow(r);
       moved(true);
       rested();
     });
@@ -58,9 +62,11 @@ const Live = (() => {
     const r = { about: what, get value() { return control.value; }, set value(x) { control.value = x; }, element: null };
     control.addEventListener("change", () => {
       if (what.like) control.value = control.value.replaceAll(" ", "");
-      if (what.like && !what.like.test(control.value)) control.value = what.start;
+      const wrong = what.like && !what.like.test(control.value) ? control.value : "";
+      if (wrong) control.value = what.start;
       moved(true);
       rested();
+      if (wrong) $("hand-other").textContent = `${what.label}: found "${wrong}", expected sphere-center, com or a point x,y,z`;
     });
     r.element = make("div", { class: "handle" }, make("label", { for: id, text: what.label }), control, what.like ? make("datalist", { id: id + "-list" }, ...options) : null);
     rows.push(r);
@@ -76,7 +82,11 @@ const Live = (() => {
     const model = of("force", body).map((r) => r.about.start), m = Math.hypot(...model);
     return model.map((x) => x / m);
   }
-  const sized = (body, size) => direction(body).map((x) => Number((size * x).toPrecision(6)));
+  const sized = (body, size) => {
+    const model = of("force", body).map((r) => r.about.start), same = size === one("size", body).about.start;
+    const now = direction(body), m = Math.hypot(...model), own = now.every((x, i) => Math.abs(x - model[i] / m) < 1e-6);
+    return own && same ? model : now.map((x) => Number((size * x).toPrecision(6)));
+  };
 
   // A force has three numbers and a size: one follows the other.
   function follow(r) {
@@ -159,7 +169,7 @@ const Live = (() => {
     $("hand-what").textContent = "Of a moment ago";
     $("hand-other").textContent = "";
     $("hand-keep").disabled = !kept;
-    const hold = frame.contentWindow && frame.contentWindow.hold, now = handles(), drawn = JSON.stringify([now.map((h) => [h.at, h.axis, h.size]), noteOf(shown)]);
+    const hold = frame.contentWindow && frame.contentWindow.hold, now = handles(), drawn = JSON.stringify([now.map((h) => [h.at, h.axis, h.size, h.text]), noteOf(shown)]);
     if (hold && drawn !== wasThere.drawn) hold.handles(now, noteOf(shown));
     wasThere.drawn = drawn;
     Plan.follow();
@@ -213,12 +223,13 @@ const Live = (() => {
     const time = one("time"), last = about.steps.at(-1);
     return !time || base.some((w) => /^--(loads|motion)(=|$)/.test(w)) || ends[time.value] > last.start;
   }
+  const handleText = (key, axis, r) => (key === "move" ? axis : "") + (r.value === 0 ? "" : ` ${number(r.value, 3)}${key === "turn" ? "°" : ""}`);
   function handles() {
     const body = $("hand-body").value;
     if (!body || !hand) return [];
     const at = center(body), xyz = axes(), out = [];
     for (const key of ["turn", "move"])
-      xyz.forEach((axis, i) => out.push({ key: `${key} ${i}`, kind: key, body, row: of(key, body)[i], at, axis, colour: [1, 2, 0][i], text: key === "move" ? "xyz"[i] : "" }));
+      xyz.forEach((axis, i) => out.push({ key: `${key} ${i}`, kind: key, body, row: of(key, body)[i], at, axis, colour: [1, 2, 0][i], text: handleText(key, "xyz"[i], of(key, body)[i]) }));
     const force = of("force", body).map((r) => r.value), l = length(body);
     if (l > 0 && forceActs()) out.push({ key: "load", kind: "load", body, at, axis: force.map((x) => x / l), size: Math.min(1, l / one("size", body).about.most), colour: null, text: `${number(l, 3)}${names?.force ? " " + names.force : ""}` });
     return out;
@@ -258,7 +269,8 @@ const Live = (() => {
     $("hand-what").textContent = !text ? "No answer" : !ok ? (quick ? "No coarse solution here" : "No solution here") : quick ? "Coarse, while it moves" : here ? "Exact: what dea run gives" : "Exact, of a moment ago";
     place.classList.toggle("coarse", quick || !here);
     $("hand-keep").disabled = !kept && !settledWell();
-    const remarks = text ? [...(ok ? [] : [text.state.message]), ...text.findings.filter((f) => f.severity !== "note").map((f) => f.text)] : answer.lines;
+    const found = text ? text.findings.filter((f) => f.severity !== "note").map((f) => f.text) : answer.lines;
+    const remarks = [...(ok || !text || found.some((t) => t.includes(text.state.message)) ? [] : [text.state.message]), ...found];
     $("hand-remarks").replaceChildren(...[...new Set(remarks)].filter(Boolean).map((t) => make("li", { text: t })));
     if (quick || here) $("hand-other").textContent = "";
     $("hand-seconds").textContent = `${Math.round(1000 * answer.seconds)} ms`;
@@ -272,7 +284,7 @@ const Live = (() => {
   function numbers() {
     const head = ["contact", ...kQuantities, "force"], body = [], rows = rowsOf(shown.answer), beside = kept ? rowsOf(kept.answer) : [];
     const put = (name, list, show = number) => body.push([name, ...list.map((x) => show(x))]);
-    for (const r of rows) put(r.name, r.values);
+    for (const r of rows) put(r.name, r.values, shown.quick ? (x) => (x === null ? "–" : "≈ " + number(x, 3)) : number);
     for (const r of beside) {
       put(beside.length > 1 ? `kept: ${r.name}` : "kept", r.values);
       const mine = rows.find((x) => x.name === r.name);
@@ -321,7 +333,7 @@ const Live = (() => {
     const stem = model.replace(/\.[^.]*$/, ""), name = `${stem}_hand.feb`, list = without(words(), "--states", null);
     const answer = await Program.run(["convert", ...list.slice(1), "-o", name], files).done, made = answer.made && answer.made.find((m) => m.name === name);
     if (!place) return;
-    $("hand-other").textContent = made ? answer.output.split("\n").filter(Boolean).at(-1) || "" : [answer.fault, ...answer.lines].filter(Boolean).join(" ");
+    $("hand-other").textContent = made ? answer.output.split("\n").filter(Boolean).at(-1) || "" : [answer.fault, ...answer.lines, "Copy as command gives a line that does the same with dea run."].filter(Boolean).join(" ");
     if (made) save(name, made.blob);
   }
 
@@ -345,8 +357,7 @@ const Live = (() => {
     general.append(choice({ key: "law", label: "law", words: ["layer", "linear", "logarithmic", "neo-Hookean"].map((w) => [w, w]), start: law }));
     if (frames.length) general.append(choice({ key: "axes", label: "axes of turns and moves", words: [["", "global"], ...frames.map((f) => [f, f])], start: "" }));
     place = make("section", { id: "hand", "aria-label": "The joint in the hand" }, make("h2", { text: "In the hand" }),
-      make("p", { class: "about", text: "Turn, move and load a body by its handles on the map or by the sliders, or change the cartilage: the map follows. Coarse while it moves, exact once it rests: the numbers of the command line that stands below." }),
-      groups);
+      make("p", { class: "about", text: "Turn, move and load a body by its handles on the map or by the sliders, or change the cartilage: the map follows. Coarse while it moves, exact once it rests: the numbers of the command line that stands below." }));
     const loaded = bodies.find((b) => loads[b.name]?.force?.some((x) => x !== 0)) || bodies[0];
     for (const b of bodies) {
       const box = make("details", { open: b === loaded }, make("summary", { text: b.name })), whose = b.name;
@@ -357,6 +368,8 @@ const Live = (() => {
       const points = [...(own.length === 1 ? [["sphere-center", `centre of the sphere of ${own[0].surface}`]] : own.map((s) => [of(s), `centre of the sphere of ${s.surface}`])), ["com", "centre of mass"]];
       const set = info.settings.rotate_about?.[b.name], said = set ? String(set) : "sphere-center";
       box.append(choice({ key: "about", whose, label: "turn about", words: points, said, start: set || own.length === 1 ? said : "com", like: /^(sphere-center|com|(-?[\d.]+(e-?\d+)?,){2}-?[\d.]+(e-?\d+)?)$/ }));
+      const dofs = last ? last.bodies[b.name]?.dofs : null, free = dofs ? ["x", "y", "z", "Ru", "Rv", "Rw"].filter((d) => dofs[d] === "free") : [];
+      if (free.length) box.append(make("p", { class: "about", text: `Free in ${free.join(", ")}: there the balance finds its place, and a turn or move says where the search begins.` }));
       const force = loads[b.name] && loads[b.name].force;
       const byTable = info.settings.load_body === b.name && info.settings.loads;
       if (!byTable && force && force.some((x) => x !== 0)) {
@@ -379,15 +392,15 @@ const Live = (() => {
     const grip = make("select", { id: "hand-body", onchange: draw }, ...bodies.map((b) => make("option", { value: b.name, text: b.name })), make("option", { value: "", text: "none" }));
     grip.value = loaded.name;
     const button = (id, text, onclick, more = {}) => make("button", { id, text, onclick, ...more });
-    place.append(make("div", { class: "controls" }, button("hand-undo", "Undo", undo, { disabled: true }), button("hand-reset", "Reset", reset),
-      make("label", {}, "Handles of ", grip),
-      button("hand-keep", "Keep this beside", keep), button("hand-copy", "Copy as command", () => copy($("hand-copy"), $("hand-line").textContent)),
-      button("hand-save", "Save case as .feb", () => saveCase(line[1], files), { title: "As dea convert does: for FEBio with the plugin" }),
-      button("hand-down", "Put it down", () => { end(); down(); }),
-      make("b", { id: "hand-what" }), make("span", { class: "about", id: "hand-seconds" })),
+    place.append(make("p", { class: "now" }, make("b", { id: "hand-what" }), " ", make("span", { class: "about", id: "hand-seconds" })),
       make("p", { id: "hand-other", role: "status" }), make("p", { id: "hand-said", role: "status", class: "unseen" }),
       make("ul", { id: "hand-remarks" }), make("div", { class: "wide" }, make("table", { id: "hand-numbers" })), make("p", { class: "about", id: "hand-bodies" }),
-      make("pre", { id: "hand-line" }), make("p", { class: "about", id: "hand-kept" }), Plan.element());
+      make("div", { class: "controls" }, button("hand-undo", "Undo", undo, { disabled: true }), button("hand-reset", "Reset", reset), button("hand-keep", "Keep this beside", keep, { disabled: true }),
+        button("hand-down", "Put it down", () => { end(); down(); }), make("label", {}, "Handles of ", grip)),
+      make("p", { class: "about", id: "hand-kept" }), groups,
+      make("div", { class: "controls" }, button("hand-copy", "Copy as command", () => copy($("hand-copy"), $("hand-line").textContent)),
+        button("hand-save", "Save case as .feb", () => saveCase(line[1], files), { title: "As dea convert does: for FEBio with the plugin" })),
+      make("pre", { id: "hand-line" }), Plan.element());
     frame.before(place);
     place.parentElement.classList.add("holding");
     // a worker that has ended answers no more, and the joint with it

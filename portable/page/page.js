@@ -508,6 +508,7 @@ async function takeInHand(place) {
   const button = make("button", { id: "take", text: "Take it in the hand", title: "Move bodies, loads and cartilage: the map follows", onclick: take });
   frame.before(make("p", {}, button));
   if (!solved.take) return;
+  document.documentElement.dataset.live = "taken";
   if (frame.contentWindow && frame.contentWindow.hold) take();
   else frame.addEventListener("load", take, { once: true });
 }
@@ -608,6 +609,8 @@ async function start() {
   const { files, kinds, words } = await given();
   if (!files.length) return;
   $("sample").remove();
+  document.documentElement.dataset.live = "true";
+  $("head").querySelector(".sub").before(make("p", {}, make("button", { id: "all", text: "Show files and settings, too", onclick: () => { delete document.documentElement.dataset.live; $("all").remove(); } })));
   document.title = `${files[0].name.replace(/\.[^.]*$/, "")} in the hand`;
   Form.say(words);
   open(files, kinds);

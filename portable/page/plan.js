@@ -64,16 +64,23 @@ const Plan = (() => {
     const row = of.rows[Number($(`plan-${name}`).value)], least = Number($(`plan-${name}-least`).value), most = Number($(`plan-${name}-most`).value);
     return { row, least, most, at: (k, n) => rounded(least + k * (most - least) / (n - 1)) };
   }
-  function fault(text) {
+  function fault(text, gone = false) {
+    if (gone) {  // another grid was asked for
+      stop();
+      grid = null;
+      for (const id of ["plan-shown", "plan-map", "plan-bar"]) $(id).hidden = true;
+      $("plan-text").textContent = "";
+      $("plan-go").textContent = "Work it out";
+    }
     $("plan-fault").textContent = text;
     $("plan-fault").hidden = !text;
   }
   function go() {
     const a = axis("a"), b = axis("b"), n = Number($("plan-count").value), forces = [a, b].filter((x) => x.row.about.key === "size" || x.row.about.key === "force");
     fault("");
-    if (a.row === b.row) { fault("Across and up are the same: choose two."); return; }
-    if (forces.length === 2 && forces.some((x) => x.row.about.key === "size") && a.row.about.whose === b.row.about.whose) { fault("The size of a force and one of its parts change each other: choose two others."); return; }
-    if (![a, b].every((x) => Number.isFinite(x.least) && x.least < x.most)) { fault("A range has to end above its beginning."); return; }
+    if (a.row === b.row) { fault("Across and up are the same: choose two.", true); return; }
+    if (forces.length === 2 && forces.some((x) => x.row.about.key === "size") && a.row.about.whose === b.row.about.whose) { fault("The size of a force and one of its parts change each other: choose two others.", true); return; }
+    if (![a, b].every((x) => Number.isFinite(x.least) && x.least < x.most)) { fault("A range has to end above its beginning.", true); return; }
     stop();
     grid = { a, b, n, cells: new Array(n * n).fill(null), done: 0, began: performance.now(), seconds: 0 };
     grid.rest = of.elsewhere(a.row, b.row);
@@ -153,7 +160,7 @@ const Plan = (() => {
     }
     c.strokeStyle = ink; c.fillStyle = ink; c.lineWidth = 1;
     c.strokeRect(f.x, f.y, f.w, f.h);
-    const marks = (axis, put) => { for (const part of [0, 0.25, 0.5, 0.75, 1]) put(part * (n - 1), of.number(axis.least + part * (axis.most - axis.least), 3)); };
+    const marks = (axis, put) => { for (const k of new Set([0, 0.25, 0.5, 0.75, 1].map((part) => Math.round(part * (n - 1))))) put(k, of.number(axis.at(k, n), 3)); };
     c.textAlign = "center"; c.textBaseline = "top";
     marks(a, (i, t) => c.fillText(t, across(f, i), f.y + f.h + 6));
     c.fillText(`${label(a.row)}${a.row.about.unit ? ", " + a.row.about.unit : ""}`, f.x + f.w / 2, f.y + f.h + 25, f.w);
@@ -177,7 +184,7 @@ const Plan = (() => {
     $("plan-progress").textContent = grid.done < n * n ? `${grid.done} of ${n * n}` : `${n * n} places in ${of.number(grid.seconds || (performance.now() - grid.began) / 1000, 3)} s`;
     const unit = { p99: "pressure", mean: "pressure", peak: "pressure", area: "area", force: "force" }[$("plan-what").value], named = of.names?.[unit] ? ` ${of.names[unit]}` : "";
     const none = cells.filter((x) => x && !x.values).length, place_ = (i, j) => `${label(a.row)} ${of.number(a.at(i, n), 3)}, ${label(b.row)} ${of.number(b.at(j, n), 3)}`;
-    const said = !known.length ? "" : `${$("plan-what").value} from ${of.number(least)} at ${place_(best % n, Math.floor(best / n))} to ${of.number(most)}${named}.` + (none ? ` ${none} without a solution: crossed out.` : "") + (live() ? (inside ? "" : " The hand is beyond this grid.") : " The hand has changed something else since: work it out again.");
+    const said = !known.length ? "" : `${$("plan-what").value} from ${of.number(least)} at ${place_(best % n, Math.floor(best / n))} to ${of.number(most)}${named}.` + (none ? ` ${none} without a solution: crossed out${none === 1 ? "" : ", the first"}: ${cells.find((x) => x && !x.values).why}.` : "") + (live() ? (inside ? "" : " The hand is beyond this grid.") : " The hand has changed something else since: work it out again.");
     if (!dragging && grid.done === n * n) { if ($("plan-text").textContent !== said) $("plan-text").textContent = said; }
     map.setAttribute("aria-label", `${$("plan-what").value} over two settings; arrow keys move the hand. ${said}`);
     if (tools && known.length) {

@@ -156,9 +156,9 @@ def drag(b, move):
     """A slider goes over five places and rests; which one, `move` says: (key, nth, share of its range per place)."""
     b.run("""const [key, nth, share] = arguments, r = Live.rows.filter(r => r.about.key === key)[nth], range = r.element.querySelector('input[type=range]'), a = r.about;
              window.moves = 0;
-             const from = r.value;
+             const steps = Number(range.max) - Number(range.min), at = Number(range.value);
              for (let k = 1; k <= 5; ++k) setTimeout(() => {
-               range.value = from + k * share * (a.most - a.least);
+               range.value = at + Math.round(k * share * steps);
                range.dispatchEvent(new Event('input', { bubbles: true }));
                if (k === 5) range.dispatchEvent(new Event('change', { bubbles: true }));
                ++window.moves;
@@ -292,7 +292,7 @@ def what_the_line_had_is_where_the_hand_begins(b, pages):
 def nothing_of_a_moment_ago_is_taken_for_now(b, pages):
     take(b, pages, HIP)
     told = b.run("""const r = Live.rows.find(r => r.about.key === 'turn'), e = r.element.querySelector('input[type=range]');
-        e.value = 8; e.dispatchEvent(new Event('input', { bubbles: true }));
+        e.value = 80; e.dispatchEvent(new Event('input', { bubbles: true }));
         document.getElementById('hand-keep').click();
         return [document.getElementById('hand-what').textContent, document.getElementById('hand').dataset.exact, document.getElementById('hand-keep').disabled, document.getElementById('hand-kept').textContent,
                 document.querySelector('#result iframe').contentDocument.getElementById('now').textContent]""")
@@ -464,7 +464,7 @@ def five_hundred_moves_leave_memory_flat(b, pages):
              Live.hand.show = (a, q) => { window.memory.push(a.memory); window.drawn.push([q.place, q.quick]); if (q.quick) window.late.push(performance.now() - window.asked[q.place]); show(a, q); };
              window.asked = {}; window.moves = 0;
              const row = Live.rows.find(r => r.about.key === 'turn'), range = row.element.querySelector('input[type=range]');
-             const step = () => { ++window.moves; range.value = 8 * Math.sin(window.moves / 20); range.dispatchEvent(new Event('input', { bubbles: true })); window.asked[Live.hand.place] = performance.now();
+             const step = () => { ++window.moves; range.value = 80 * Math.sin(window.moves / 20); range.dispatchEvent(new Event('input', { bubbles: true })); window.asked[Live.hand.place] = performance.now();
                if (window.moves < 500) setTimeout(step, 30); else range.dispatchEvent(new Event('change', { bubbles: true })); };
              window.heap = performance.memory.usedJSHeapSize; step();""")
     b.wait("window.moves === 500 && " + EXACT, 180, "the end of the drag")

@@ -265,6 +265,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     if (!options.keep_fields && !solved.states.empty()) drop_fields(solved.states.back());
     solved.states.push_back(std::move(state));
   }
+  if (options.memory != nullptr) *options.memory = std::move(sequence.memory);
   return solved;
 }
 

@@ -64,6 +64,9 @@ struct AnalysisOptions {
   /// known_balance counts in every step, and of bodies that are free to turn or placed, too: answers follow a hand, and
   /// where there are several balances they may stay at another than a search from the start finds.
   bool follow = false;
+  /// Not owned: gets where the last state's search for pressures ended, for KnownBalance::memory of the next analysis
+  /// of the same joint; nullptr: it is not wanted.
+  std::vector<PressMemory>* memory = nullptr;
 };
 
 /// Fills fields, statistics and, unless `inside` is null, the inside of a state whose equilibrium has its springs.

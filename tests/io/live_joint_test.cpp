@@ -79,29 +79,26 @@ TEST(LiveJoint, AnswersAsTheRunDoes) {
   }
 }
 
-/// A quick answer starts from the one before, and is that of springs that know nothing of each other.
-TEST(LiveJoint, QuickAnswersAreThoseOfLawLinear) {
+/// A quick answer starts from the one before, and is that of the run but for a thousandth of the load.
+TEST(LiveJoint, QuickAnswersFollow) {
   LiveJoint live;
   const std::string model = "/hip/hip_walking.feb";
-  int before = 0;
   Json from;
-  for (int step = 0; step < 6; ++step) {
-    const std::string force = fmt::format("femur={},-262,1834", 430 + 4 * step);
-    LiveRequest request = asked(model, {{"force", force}}, true);
+  for (int step = 0; step < 10; ++step) {
+    const bool changes = step >= 6;
+    Options options = {{"force", fmt::format("femur={},-262,1834", 430 + 4 * step)}};
+    if (changes) options.push_back({"E", fmt::format("{}", 9 + 0.2 * step)});
+    LiveRequest request = asked(model, options, true);
     request.from = from;
     const LiveAnswer quick = live_answer(live, request);
     from = quick.text["bodies"];
-    const Json exact = run_of(asked(model, {{"force", force}, {"law", "linear"}}));
+    EXPECT_TRUE(quick.text["quick"].get<bool>());
+    const Json exact = run_of(asked(model, options));
     const Json &mine = quick.text["state"]["contacts"][0], &of_run = exact["contacts"][0];
     for (const char* number : {"p99", "mean", "area"})
       EXPECT_NEAR(mine["headline"][number].get<double>(), of_run["headline"][number].get<double>(),
-                  0.01 * of_run["headline"][number].get<double>())
+                  0.003 * of_run["headline"][number].get<double>())
           << number;
-    const int iterations = quick.text["state"]["iterations"].get<int>();
-    if (step == 0) before = iterations;
-    if (step > 0) {
-      EXPECT_LT(iterations, before);
-    }
   }
 }
 
@@ -119,7 +116,7 @@ TEST(LiveJoint, AnswersFollowFromWhereTheBodiesAre) {
     for (std::size_t b = 0; b < cold["bodies"].size(); ++b)
       for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(warm["bodies"][b]["center"][k].get<double>(), cold["bodies"][b]["center"][k].get<double>(),
-                    quick ? 0.02 : 5e-3);  // a soft direction: 1e-6 of the load is 2e-3 mm
+                    quick ? 0.3 : 5e-3);  // a soft direction: 1e-6 of the load is 2e-3 mm
   }
 }
 

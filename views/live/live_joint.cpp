@@ -13,16 +13,6 @@ namespace dea {
 
 namespace {
 
-/// The joint with springs that know nothing of each other; its own where it cannot be without its parts.
-std::shared_ptr<const ReadyJoint> quick_joint(LiveJoint& live, const LiveRequest& request, Settings& settings) {
-  const std::shared_ptr<const ReadyJoint> own = live.joints.get(request.model, settings, nullptr);
-  if (!own->prepared.joint.parts.empty()) return own;
-  settings.law = Law::Linear;
-  settings.layer_fit = Settings{}.layer_fit;  // of law layer alone
-  settings.inside = false;
-  return live.joints.get(request.model, settings, nullptr);
-}
-
 /// Does what loads and moves the bodies at this time depend on where they were before?
 bool counts_from_before(const ReadyJoint& ready, const Settings& settings, const TimePoint& when) {
   const Joint& joint = ready.prepared.joint;
@@ -107,22 +97,18 @@ Json surfaces_json(const JointModel& model, const Joint& joint, const StateResul
 }  // namespace
 
 LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
-  Settings settings = request.settings;
-  const std::shared_ptr<const ReadyJoint> ready =
-      request.quick ? quick_joint(live, request, settings) : live.joints.get(request.model, settings, nullptr);
+  const std::shared_ptr<const ReadyJoint> ready = live.joints.get(request.model, request.settings, nullptr);
   const Joint& joint = ready->prepared.joint;
-  ReadyCase of = ready_case(*ready, settings, request.outputs);
+  ReadyCase of = ready_case(*ready, request.settings, request.outputs);
   AnalysisOptions solving;
   solving.times = of.states.times;
   solving.keep_state = of.states.wanted;
   solving.displacements = false;
-  if (request.quick) {
-    constexpr double kQuick = 1e-3;  // of the load
-    solving.equilibrium.tolerance = kQuick;
-  }
+  const std::string key = request.model + joint_key(of.settings);
   KnownBalance known;
   if (!request.from.is_null()) {
     known = balance_of(request.from, joint);
+    if (request.quick && live.memory_key == key) known.memory = std::move(live.memory);
     solving.known_balance = [&known] { return &known; };
     solving.follow = true;
     if (!counts_from_before(*ready, of.settings, solving.times.back())) {
@@ -130,8 +116,15 @@ LiveAnswer live_answer(LiveJoint& live, const LiveRequest& request) {
       solving.keep_state = {1};
     }
   }
+  if (request.quick) {
+    constexpr double kQuick = 1e-3;  // of the load
+    solving.equilibrium.tolerance = kQuick;
+    solving.memory = &live.memory;
+    live.memory_key.clear();
+  }
   const SolvedStates solved_states = solve_states(ready->model, of.settings, ready->prepared, ready->maps, solving);
   const StateResult& state = solved_states.states.back();
+  if (request.quick && solved(state.equilibrium.outcome)) live.memory_key = key;
   if (live.drawn_model != request.model) {
     live.drawn_model = request.model;
     live.drawn.clear();

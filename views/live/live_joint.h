@@ -19,9 +19,7 @@ struct LiveRequest {
   std::string model;  ///< path
   Settings settings;
   OutputSettings outputs;  ///< `states` alone counts
-  /// While the hand moves: springs of law linear that know nothing of each other (of a joint with parts that give way
-  /// those that it has), balanced to a thousandth of the load.
-  bool quick = false;
+  bool quick = false;      ///< while the hand moves: balanced to a thousandth of the load
   /// `bodies` of an earlier answer, from where the balance is searched, and without states on the way that nothing
   /// counts from; null: as `dea run` does.
   Json from;
@@ -39,6 +37,9 @@ struct LiveAnswer {
 /// Joints that stay ready between answers.
 struct LiveJoint {
   ReadyJoints joints{kBytes};
+  /// Where the search for pressures of the last quick answer ended, and of which joint: model and joint_key.
+  std::vector<PressMemory> memory;
+  std::string memory_key;
   /// Surfaces as maps draw them, of one model, by their names.
   struct Drawn {
     ResultSurface surface;
@@ -46,7 +47,7 @@ struct LiveJoint {
   };
   std::string drawn_model;
   std::map<std::string, Drawn> drawn;
-  static constexpr double kBytes = 1e9;
+  static constexpr double kBytes = 3e8;
 };
 
 /// An answer that is not quick and from nowhere has the numbers of `dea run` of the same settings, by the same search

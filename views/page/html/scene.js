@@ -456,7 +456,13 @@ class Maps {
   // The handles that can be grabbed in a panel, with their lines in its pixels. `length` as of aim().
   placedHandles(panel, width, height, k, length) {
     if (!this.onhandle || panel.held !== "now") return [];
-    return this.handles.map((handle) => ({ handle, line: this.handleLine(handle, this.handleLength(width / k, height / k, k * length)).map((p) => this.toScreen(p.toArray(), width, height)) }));
+    // where the point that they belong to is out of sight, they stand at the margin next to it
+    const size = this.handleLength(width / k, height / k, k * length), margin = Math.min(0.5, 110 * size / (k * length) / Math.min(width, height) * k);
+    const kept = (x, all) => Math.min(all - margin * Math.min(width, height), Math.max(margin * Math.min(width, height), x));
+    return this.handles.map((handle) => {
+      const [x, y] = this.toScreen(handle.at, width, height), dx = kept(x, width) - x, dy = kept(y, height) - y;
+      return { handle, line: this.handleLine(handle, size).map((p) => this.toScreen(p.toArray(), width, height)).map(([px, py]) => [px + dx, py + dy]) };
+    });
   }
   drawHandles(panel, c, width, height, k, length, ink) {
     for (const { handle, line } of this.placedHandles(panel, width, height, k, length)) {
@@ -524,7 +530,7 @@ class Maps {
     if (all < 0.04 * whole * whole) return;  // it points at the viewer
     const change = (dx * sx + dy * sy) / all;
     if (handle.kind === "turn") grab.along += change * 36 / Math.PI;
-    this.onhandle(handle, change, false);
+    this.onhandle(handle, handle.kind === "turn" ? change / 3 : change, false);  // geared: a turn is fine work
   }
 
   // Where the axes point.
