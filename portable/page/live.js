@@ -39,7 +39,7 @@ const Live = (() => {
     const range = make("input", { type: "range", min: -below, max: above, step: 1, value: 0, "aria-label": what.whose ? `${what.whose}: ${label}` : label });
     const typed = make("input", { type: "number", step: "any", value: start, id, "aria-label": range.getAttribute("aria-label") });
     const place = (x) => { range.value = String(Math.round((x - start) / step)); range.setAttribute("aria-valuetext", `${number(x)} ${what.unit || ""}`.trim()); };
-    const r = { about: what, range, get value() { return Number(typed.value); }, set value(x) { typed.value = String(x); place(x); }, element: null };
+    const r = { about: what, get value() { return Number(typed.value); }, set value(x) { typed.value = String(x); place(x); }, element: null };
     place(start);
     range.addEventListener("input", () => { r.value = range.value === "0" ? start : round(start + Number(range.value) * step); follow(r); moved(); });
     range.addEventListener("change", () => rested());

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import math
-import os
 import pathlib
 import shlex
 import shutil
@@ -15,8 +14,8 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-from page import HIP, KNEE, drop, in_page, make, ready, recognised, same_numbers, setting, solve, workers  # noqa: E402
-from browser import Browser, run_checks  # noqa: E402
+from page import HIP, KNEE, drop, in_page, ready, recognised, run_all, same_numbers, setting, solve, workers  # noqa: E402
+from browser import Browser  # noqa: E402
 from report_test import no_faults, no_network, same, true  # noqa: E402
 
 NEAR = 1e-9  # of the largest number of its kind
@@ -546,13 +545,5 @@ def without_webgl(pages):
         as_dea_run(b, pages, "without WebGL")
 
 
-def main():
-    if len(sys.argv) < 3:
-        print(__doc__, file=sys.stderr)
-        return 2
-    dea, page = map(os.path.abspath, sys.argv[1:3])
-    return run_checks(CHECKS, sys.argv[3:], lambda folder: make(folder, dea, page), without_webgl)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_all(CHECKS, without_webgl, __doc__))

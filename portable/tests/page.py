@@ -502,13 +502,14 @@ def make(folder, dea, page):
     return pages
 
 
-def main():
+def run_all(checks, without, usage):
+    """Of the command line; the exit code."""
     if len(sys.argv) < 3:
-        print(__doc__, file=sys.stderr)
+        print(usage, file=sys.stderr)
         return 2
     dea, page = map(os.path.abspath, sys.argv[1:3])
-    return run_checks(CHECKS, sys.argv[3:], lambda folder: make(folder, dea, page), without_webgl)
+    return run_checks(checks, sys.argv[3:], lambda folder: make(folder, dea, page), without)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_all(CHECKS, without_webgl, __doc__))
