@@ -8,6 +8,7 @@ const Live = (() => {
   let kept = null;    // beside it: { answer, words }
   let names = null;   // of units
   let ends = [];      // times of the run's states
+  let sides = [], reach = 1;  // of all contacts, and how large the largest is
   let fail = null;    // what is done when a worker has ended
   const number = (x, digits = 4) => (x === null || x === undefined ? "–" : String(Number(x.toPrecision(digits))).replace("-", "−"));
   const kQuantities = ["p99", "mean", "area", "peak"];
@@ -21,12 +22,6 @@ const Live = (() => {
     if (place) { place.parentElement.classList.remove("holding"); place.remove(); }
     if (place && frame.contentWindow && frame.contentWindow.hold) frame.contentWindow.hold(null);  // the run's own states
     place = null;
-  }
-  async function copy(button, text) {
-    try { await navigator.clipboard.writeText(text); } catch { getSelection().selectAllChildren($("hand-line")); document.execCommand("copy"); }
-    const before = button.textContent;
-    button.textContent = "Copied";
-    setTimeout(() => { button.textContent = before; }, 1500);
   }
 
   // ---- rows: what the hand can change, each { about, value, element } ----
@@ -75,18 +70,16 @@ const Live = (() => {
   const of = (key, whose) => rows.filter((r) => r.about.key === key && (whose === undefined || r.about.whose === whose));
   const one = (key, whose) => of(key, whose)[0];
   const length = (body) => Math.hypot(...of("force", body).map((r) => r.value));
+  const along = (force) => { const l = Math.hypot(...force); return force.map((x) => x / l); };
+  const modelForce = (body) => of("force", body).map((r) => r.about.start);
   // Of the force on a body; of the model's where there is none.
-  function direction(body) {
-    const now = of("force", body).map((r) => r.value), l = Math.hypot(...now);
-    if (l > 0) return now.map((x) => x / l);
-    const model = of("force", body).map((r) => r.about.start), m = Math.hypot(...model);
-    return model.map((x) => x / m);
+  const direction = (body) => along(length(body) > 0 ? of("force", body).map((r) => r.value) : modelForce(body));
+  // A force of this size; the model's own to its last digit.
+  function sized(body, size) {
+    const now = direction(body), model = modelForce(body), own = along(model);
+    if (size === one("size", body).about.start && now.every((x, i) => Math.abs(x - own[i]) < 1e-6)) return model;
+    return now.map((x) => Number((size * x).toPrecision(6)));
   }
-  const sized = (body, size) => {
-    const model = of("force", body).map((r) => r.about.start), same = size === one("size", body).about.start;
-    const now = direction(body), m = Math.hypot(...model), own = now.every((x, i) => Math.abs(x - model[i] / m) < 1e-6);
-    return own && same ? model : now.map((x) => Number((size * x).toPrecision(6)));
-  };
 
   // A force has three numbers and a size: one follows the other.
   function follow(r) {
@@ -213,8 +206,8 @@ const Live = (() => {
   }
   // Where a body is turned about, as it is shown.
   function center(body) {
-    const how = one("about", body).value, sides = about.contacts.flatMap((c) => [c.primary, c.secondary]).filter((s) => s && s.body === body);
-    if (how === "sphere-center" && sides.length) return sides[0].sphere.center;
+    const how = one("about", body).value, side = sides.find((s) => s.body === body);
+    if (how === "sphere-center" && side) return side.sphere.center;
     const mass = about.bodies.find((b) => b.name === body).center_of_mass;
     return how.includes(",") ? how.split(",").map(Number) : mass;
   }
@@ -307,7 +300,6 @@ const Live = (() => {
     let words = "";
     if (a.solved && !b.solved) words = "Coming from where the hand was there is a balance here; dea run, which starts from the model, finds none.";
     if (a.solved && b.solved) {
-      const reach = Math.sqrt(Math.max(...about.contacts.flatMap((c) => [c.primary, c.secondary]).map((s) => s.area)));
       for (const body of a.bodies) {
         const other = b.bodies.find((o) => o.name === body.name), shift = Math.hypot(...body.center.map((x, i) => x - other.center[i]));
         const turn = Math.max(...body.rotation.flatMap((r, i) => r.map((x, j) => Math.abs(x - other.rotation[i][j]))));
@@ -349,7 +341,9 @@ const Live = (() => {
     rows = [];
     past = [];
     const bodies = info.bodies.filter((b) => !b.ground), last = info.steps.at(-1), loads = last ? last.bodies : {};
-    const contacts = info.contacts, sides = contacts.flatMap((c) => [c.primary, c.secondary]).filter(Boolean), reach = Math.max(...sides.map((s) => Math.sqrt(s.area)), 1);
+    const contacts = info.contacts;
+    sides = contacts.flatMap((c) => [c.primary, c.secondary]).filter(Boolean);
+    reach = Math.sqrt(Math.max(0, ...sides.map((s) => s.area))) || 1;
     const groups = make("div", { class: "handles" }), frames = Object.keys(info.settings.frame || {});
     const general = make("details", { open: times.length > 1 }, make("summary", { text: times.length > 1 ? "Time, law and axes" : "Law and axes" }));
     if (times.length > 1) general.append(row({ key: "time", label: "state", unit: "", least: 0, most: times.length - 1, step: 1, start: times.length - 1, times }));
@@ -398,7 +392,7 @@ const Live = (() => {
       make("div", { class: "controls" }, button("hand-undo", "Undo", undo, { disabled: true }), button("hand-reset", "Reset", reset), button("hand-keep", "Keep this beside", keep, { disabled: true }),
         button("hand-down", "Put it down", () => { end(); down(); }), make("label", {}, "Handles of ", grip)),
       make("p", { class: "about", id: "hand-kept" }), groups,
-      make("div", { class: "controls" }, button("hand-copy", "Copy as command", () => copy($("hand-copy"), $("hand-line").textContent)),
+      make("div", { class: "controls" }, button("hand-copy", "Copy as command", () => copyText($("hand-copy"), $("hand-line").textContent, $("hand-line"))),
         button("hand-save", "Save case as .feb", () => saveCase(line[1], files), { title: "As dea convert does: for FEBio with the plugin" })),
       make("pre", { id: "hand-line" }), Plan.element());
     frame.before(place);

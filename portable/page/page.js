@@ -118,6 +118,17 @@ function splitWords(text) {
   return words;
 }
 
+// Onto the clipboard, as the button says for a moment; where that is not ours, `element` is ready to be copied.
+async function copyText(button, text, element) {
+  try { await navigator.clipboard.writeText(text); } catch {
+    getSelection().selectAllChildren(element);
+    document.execCommand("copy");
+  }
+  const before = button.textContent;
+  button.textContent = "Copied";
+  setTimeout(() => { button.textContent = before; }, 1500);
+}
+
 // ---- files ----
 
 const Files = (() => {
@@ -515,17 +526,7 @@ async function takeInHand(place) {
 
 async function partElement({ title, words, code, fault: broken, lines, output, made = [] }) {
   const section = make("section", {}, make("h2", { text: title })), line = commandLine(words);
-  const copy = make("button", { text: "Copy", "aria-label": "Copy the command line", onclick: async () => {
-    try { await navigator.clipboard.writeText(line); } catch {
-      const range = document.createRange();  // where the clipboard is not ours: ready to be copied
-      range.selectNodeContents(command);
-      getSelection().removeAllRanges();
-      getSelection().addRange(range);
-      document.execCommand("copy");
-    }
-    copy.textContent = "Copied";
-    setTimeout(() => { copy.textContent = "Copy"; }, 1500);
-  } });
+  const copy = make("button", { text: "Copy", "aria-label": "Copy the command line", onclick: () => copyText(copy, line, command) });
   const command = make("pre", { class: "line", text: line });
   section.append(make("div", { class: "command" }, command, copy));
   if (broken || code > 1) { section.append(fault(broken || lines.join("\n"))); return section; }

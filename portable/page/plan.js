@@ -13,6 +13,7 @@ const Plan = (() => {
     workers = [];
   }
   const label = (r) => (r.about.whose ? `${r.about.whose}: ${r.about.label}` : r.about.label);
+  const titled = (r) => `${label(r)}${r.about.unit ? ", " + r.about.unit : ""}`;
   const pick = (id, text, list) => make("label", {}, text, make("select", { id }, ...list.map(([value, t]) => make("option", { value, text: t }))));
 
   function element() {
@@ -163,11 +164,11 @@ const Plan = (() => {
     const marks = (axis, put) => { for (const k of new Set([0, 0.25, 0.5, 0.75, 1].map((part) => Math.round(part * (n - 1))))) put(k, of.number(axis.at(k, n), 3)); };
     c.textAlign = "center"; c.textBaseline = "top";
     marks(a, (i, t) => c.fillText(t, across(f, i), f.y + f.h + 6));
-    c.fillText(`${label(a.row)}${a.row.about.unit ? ", " + a.row.about.unit : ""}`, f.x + f.w / 2, f.y + f.h + 25, f.w);
+    c.fillText(titled(a.row), f.x + f.w / 2, f.y + f.h + 25, f.w);
     c.textAlign = "right"; c.textBaseline = "middle";
     marks(b, (j, t) => c.fillText(t, f.x - 6, up(f, j)));
     c.save(); c.translate(10, f.y + f.h / 2); c.rotate(-Math.PI / 2); c.textAlign = "center";
-    c.fillText(`${label(b.row)}${b.row.about.unit ? ", " + b.row.about.unit : ""}`, 0, 0, f.h); c.restore();
+    c.fillText(titled(b.row), 0, 0, f.h); c.restore();
     const ring = (x, y, r, full) => { for (const [s, wide] of [[paper, 5], [ink, 2]]) { c.strokeStyle = s; c.lineWidth = wide; c.beginPath(); c.arc(x, y, r, 0, 2 * Math.PI); c.stroke(); } if (full) { c.fillStyle = ink; c.fill(); } };
     const best = known.length ? values.indexOf(least) : -1, at = live() ? [index(a, a.row.value), index(b, b.row.value)] : null;
     if (best >= 0) {
@@ -183,8 +184,8 @@ const Plan = (() => {
     map.style.touchAction = live() ? "none" : "auto";
     $("plan-progress").textContent = grid.done < n * n ? `${grid.done} of ${n * n}` : `${n * n} places in ${of.number(grid.seconds || (performance.now() - grid.began) / 1000, 3)} s`;
     const unit = { p99: "pressure", mean: "pressure", peak: "pressure", area: "area", force: "force" }[$("plan-what").value], named = of.names?.[unit] ? ` ${of.names[unit]}` : "";
-    const none = cells.filter((x) => x && !x.values).length, place_ = (i, j) => `${label(a.row)} ${of.number(a.at(i, n), 3)}, ${label(b.row)} ${of.number(b.at(j, n), 3)}`;
-    const said = !known.length ? "" : `${$("plan-what").value} from ${of.number(least)} at ${place_(best % n, Math.floor(best / n))} to ${of.number(most)}${named}.` + (none ? ` ${none} without a solution: crossed out${none === 1 ? "" : ", the first"}: ${cells.find((x) => x && !x.values).why}.` : "") + (live() ? (inside ? "" : " The hand is beyond this grid.") : " The hand has changed something else since: work it out again.");
+    const none = cells.filter((x) => x && !x.values).length, spelled = (i, j) => `${label(a.row)} ${of.number(a.at(i, n), 3)}, ${label(b.row)} ${of.number(b.at(j, n), 3)}`;
+    const said = !known.length ? "" : `${$("plan-what").value} from ${of.number(least)} at ${spelled(best % n, Math.floor(best / n))} to ${of.number(most)}${named}.` + (none ? ` ${none} without a solution: crossed out${none === 1 ? "" : ", the first"}: ${cells.find((x) => x && !x.values).why}.` : "") + (live() ? (inside ? "" : " The hand is beyond this grid.") : " The hand has changed something else since: work it out again.");
     if (!dragging && grid.done === n * n) { if ($("plan-text").textContent !== said) $("plan-text").textContent = said; }
     map.setAttribute("aria-label", `${$("plan-what").value} over two settings; arrow keys move the hand. ${said}`);
     if (tools && known.length) {
@@ -237,11 +238,11 @@ const Plan = (() => {
     if (factors.length !== 4) return null;  // a size is three numbers
     return commandLine([...out, ...factors, "-o", "plan.db"]);
   }
-  async function copyStudy() {
+  function copyStudy() {
     const line = grid && studyLine();
     if (!line) { fault("Two numbers of one option cannot be two factors of a study: choose others, or take --cases with a table."); return; }
     $("plan-text").textContent = line;
-    try { await navigator.clipboard.writeText(line); } catch { getSelection().selectAllChildren($("plan-text")); document.execCommand("copy"); }
+    copyText($("plan-study"), line, $("plan-text"));
   }
   return { element, start, end, follow, studyLine: () => (grid ? studyLine() : null), get grid() { return grid; } };
 })();

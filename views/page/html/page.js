@@ -217,22 +217,25 @@ const Page = (() => {
 
   function differenceOf(q) {
     const s = state.surface, [i, j] = state.pair, about = quantities[q], same = s.about.meshes[i] === s.about.meshes[j];
-    const out = { mesh: s.meshes[j], facets: null, vertices: null, message: "", shown: (x, k) => true };
     const a = values(q, i), b = values(q, j);
     if (!a || !b) {
       const lacking = [[i, a], [j, b]].filter((x) => !x[1]).map((x) => results[x[0]].label);
-      out.message = `${lacking.join(" and ")}: no values`;
-      return out;
+      return noDifference(s.meshes[j], `${lacking.join(" and ")}: no values`);
     }
-    if (same && !state.smooth) {
-      out.facets = a.map((x, k) => x - b[k]);
-      const na = nodal(q, i), nb = nodal(q, j);
-      out.lines = na.map((x, k) => (q === "pressure" && !(na[k] > 0 || nb[k] > 0) ? NaN : x - nb[k]));
-      if (q === "pressure") out.shown = (x, k) => a[k] > 0 || b[k] > 0;
+    const nodes = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i));
+    return difference(s.meshes[j], q, { facets: same ? a : null, nodes, edge: edge(q, i) }, { facets: b, nodes: nodal(q, j), edge: edge(q, j) });
+  }
+  const noDifference = (mesh, message) => ({ mesh, facets: null, vertices: null, message, shown: () => true });
+  // As maps are painted. `a`, less `b`: { facets: values of these, null where they are another mesh's; nodes: of this mesh; edge }.
+  function difference(mesh, q, a, b) {
+    const out = noDifference(mesh, ""), pressure = q === "pressure";
+    if (a.facets && !state.smooth) {
+      out.facets = a.facets.map((x, k) => x - b.facets[k]);
+      out.lines = a.nodes.map((x, k) => (pressure && !(x > 0 || b.nodes[k] > 0) ? NaN : x - b.nodes[k]));
+      if (pressure) out.shown = (x, k) => a.facets[k] > 0 || b.facets[k] > 0;
     } else {
-      const na = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i)), nb = nodal(q, j);
-      out.vertices = na.map((x, k) => x - nb[k]);
-      if (q === "pressure") out.over = [Data.above(na, edge(q, i)), Data.above(nb, edge(q, j))];
+      out.vertices = a.nodes.map((x, k) => x - b.nodes[k]);
+      if (pressure) out.over = [Data.above(a.nodes, a.edge), Data.above(b.nodes, b.edge)];
     }
     return out;
   }
@@ -246,13 +249,11 @@ const Page = (() => {
 
   // What is in the hand, less what is beside it.
   function heldDifference(s) {
-    const now = values("pressure", 0, s), kept = values("pressure", 0, s, "beside"), out = { mesh: s.meshes[0], facets: null, vertices: null, shown: () => true };
-    if (!now || !kept) return { what: { ...out, scale: null }, most: 0, message: "no difference: one of them has no solution" };
-    const a = nodal("pressure", 0, s), b = nodal("pressure", 0, s, "beside"), lines = a.map((x, k) => (x > 0 || b[k] > 0 ? x - b[k] : NaN));
-    if (!state.smooth) Object.assign(out, { facets: now.map((x, k) => x - kept[k]), lines, shown: (x, k) => now[k] > 0 || kept[k] > 0 });
-    else Object.assign(out, { vertices: a.map((x, k) => x - b[k]), over: [Data.above(a, edge("pressure", 0, s)), Data.above(b, edge("pressure", 0, s, "beside"))] });
-    return { what: out, most: (out.facets || out.vertices).reduce((m, x) => Math.max(m, Math.abs(x)), 0), message: "" };
+    const of = (which) => ({ facets: values("pressure", 0, s, which), nodes: nodal("pressure", 0, s, which), edge: edge("pressure", 0, s, which) });
+    const now = of("now"), kept = of("beside");
+    return now.facets && kept.facets ? difference(s.meshes[0], "pressure", now, kept) : noDifference(s.meshes[0], "no difference: one of them has no solution");
   }
+  const largest = (what) => (what.facets || what.vertices || []).reduce((most, x) => Math.max(most, Math.abs(x)), 0);
   function heldDifferenceScale(most) {
     const end = most > 0 ? most : 1;
     return withEnds({ ...scaleOfNumbers([-end, end, scaleStep(0, end), -end, end]), map: "diverging", noneText: "no contact", title: Format.axis("in the hand − kept", "pressure") });
@@ -263,7 +264,7 @@ const Page = (() => {
     if (!state.surface) return;
     const scales = new Map(), moves = motions();
     const differences = new Map(panels.filter((p) => p.held === "difference").map((p) => [p, heldDifference(p.surface)]));
-    const mostOfAll = Math.max(0, ...[...differences.values()].map((d) => d.most));
+    const mostOfAll = Math.max(0, ...[...differences.values()].map(largest));
     for (const p of panels) {
       const s = p.surface;
       p.message = "";
@@ -276,7 +277,8 @@ const Page = (() => {
         p.message = what.message;
         scales.set("difference", scale);
       } else if (p.held === "difference") {
-        ({ what, message: p.message } = differences.get(p));
+        what = differences.get(p);
+        p.message = what.message;
         scale = heldDifferenceScale(mostOfAll);
         scales.set("difference", scale);
       } else {
