@@ -216,7 +216,7 @@ const Live = (() => {
     const time = one("time"), last = about.steps.at(-1);
     return !time || base.some((w) => /^--(loads|motion)(=|$)/.test(w)) || ends[time.value] > last.start;
   }
-  const handleText = (key, axis, r) => (key === "move" ? axis : "") + (r.value === 0 ? "" : ` ${number(r.value, 3)}${key === "turn" ? "°" : ""}`);
+  const handleText = (key, axis, r) => (key === "move" ? axis : "") + (r.value === 0 ? "" : ` ${r.value > 0 ? "+" : ""}${number(r.value, 3)}${key === "turn" ? "°" : ""}`);
   function handles() {
     const body = $("hand-body").value;
     if (!body || !hand) return [];
