@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""dea beside FEBio's kept results: results.py DEA [--json FILE] [NAME...]
+"""dea beside FEBio's kept results: results.py DEA [NAME...]         a row per contact, then median, quartiles and the worst per kind
+                                 results.py DEA --write           all of them: results.json, and from it the tables of docs/accuracy.md, README.md,
+                                                                  docs/figures/population.svg and src/rules/population.inc
+                                 results.py DEA --check NAME...   are these still as in results.json?
 
 Each joint is made and solved by dea with the stiffness of FEBio's contact between the surfaces, and compared by dea compare on deformed areas.
-Prints a row per contact, then quartiles and the worst per kind. Without names: all that are kept but the untouched ones; `untouched` names these."""
+Without names: all joints but the untouched ones and the finer meshes; `untouched` names the first. NumPy; --write: Matplotlib, too."""
 import json
 import os
 import pathlib
@@ -17,6 +20,9 @@ import joints
 import kept
 
 HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+RESULTS = HERE / "results.json"
+FEBIO = json.loads((HERE / "kept/febio.json").read_text())
 MEASURES = ("p99", "mean", "area", "peak")
 
 
@@ -63,10 +69,14 @@ def compared(dea, own, febio):
 
 
 def joint_rows(dea, name):
+    """One row per contact: what it is like as dea's rule `contact-shape` has it, FEBio's headline numbers, dea's difference from them in per cent."""
     joint = kept.joint_of(name)
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
         model = joints.make(name.removesuffix("_finer"), work, name.endswith("_finer"))
+        alone = json.loads(run(dea, "run", model, "--no-xplt", "--states", "last", "-q", "--json", "-"))
+        told = lambda code: {f["contact"]: f["values"] for f in alone["finding_values"] if f["code"] == code}  # noqa: E731
+        shapes, like = told("contact-shape"), told("contacts-like-this")
         solve = lambda out, *more: run(dea, "run", model, "-o", out, "--overwrite", "--states", "last", "-q", "--inside", *more)  # noqa: E731
         solve(work / "own.xplt")
         restored(work / "own.xplt", kept.unpack((HERE / "kept" / f"{name}.xz").read_bytes()), joint, work / "febio.xplt")
@@ -77,45 +87,196 @@ def joint_rows(dea, name):
         for surface in compared(dea, work / "own.xplt", work / "febio.xplt")["surfaces"]:
             if not surface["files"][1].get("interface"):
                 continue
-            d = surface["regions"][0]["differences"][0]
+            region = surface["regions"][0]
+            d = region["differences"][0]
             bone = next((row["differences"][0]["max_shear_stress"] for row in surface.get("inside") or [] if row["row"] == "bone"), None)
+            contact = next(c["name"] for c in alone["states"][-1]["contacts"] if c["headline"]["surface"] == surface["names"][0])
             yield {"joint": name, "kind": joint.kind, "surface": surface["names"][0], "stiffness": float(mean), **{m: d["percent"]["headline"][m] for m in MEASURES}, "r": d["correlation"],
-                   "bone p99": bone and bone["percent"]["p99"], "bone r": bone and bone["correlation"]}
+                   "bone p99": bone and bone["percent"]["p99"], "bone r": bone and bone["correlation"], "febio": {m: region["results"][1]["headline"][m] for m in MEASURES},
+                   "shape": shapes[contact], "like": like.get(contact), "seconds": alone["timings"]["total"]}
+
+
+# ---- tables ----
+
+def finer(row):
+    return row["joint"].endswith("_finer")
+
+
+def untouched(row):
+    return row["joint"] in joints.UNTOUCHED
+
+
+def joints_within(rows):
+    """Of how many joints p99 is within 6 % and mean and area within 4 %, in all contacts; of how many there are."""
+    names = sorted({r["joint"] for r in rows})
+    good = [n for n in names if all(abs(r["p99"]) <= 6 and max(abs(r["mean"]), abs(r["area"])) <= 4 for r in rows if r["joint"] == n)]
+    return len(good), len(names)
+
+
+def spread(x):
+    x = np.array(x)
+    return f"{np.median(x):+.1f}, {np.quantile(x, .25):+.1f} to {np.quantile(x, .75):+.1f}, {x[np.abs(x).argmax()]:+.1f}"
 
 
 def summary(rows):
-    lines = ["| kind | contacts | " + " | ".join(f"{m}: median, quartiles, worst [%]" for m in MEASURES) + " | r: median, least |", "|---" * 7 + "|"]
-    kinds = [k for k in joints.COUNTS if any(r["kind"] == k for r in rows)]
-    for kind in [*kinds, "all"]:
-        some = [r for r in rows if kind in (r["kind"], "all")]
-        cells = []
-        for m in MEASURES:
-            x = np.array([r[m] for r in some])
-            cells.append(f"{np.median(x):+.1f}, {np.quantile(x, .25):+.1f} to {np.quantile(x, .75):+.1f}, {x[np.abs(x).argmax()]:+.1f}")
+    lines = ["| [%]: median, quartiles, worst | joints, contacts | " + " | ".join(MEASURES) + " | stress at the bone, p99 | r: median, least | joints within 6, 4, 4 % |", "|---" * (len(MEASURES) + 5) + "|"]
+    groups = [(kind, [r for r in rows if r["kind"] == kind]) for kind in joints.COUNTS]
+    groups += [("all", rows), ("of them never looked at before", [r for r in rows if untouched(r)])]
+    for title, some in groups:
+        if not some:
+            continue
         r = np.array([s["r"] for s in some])
-        lines.append(f"| {kind} | {len(some)} | " + " | ".join(cells) + f" | {np.median(r):.4f}, {r.min():.4f} |")
+        good, of = joints_within(some)
+        lines.append(f"| {title} | {of}, {len(some)} | " + " | ".join(spread([s[m] for s in some]) for m in MEASURES) + f" | {spread([s['bone p99'] for s in some])} | {np.median(r):.4f}, {r.min():.4f} | {good} of {of} |")
     return lines
 
 
+def every(rows):
+    lines = ["| joint | facets across | width in thicknesses | strain [%] | force at edges [%] | nu | moduli | " + " | ".join(f"{m} [%]" for m in MEASURES) + " | r | stress at the bone, p99 [%], r |", "|---" * 13 + "|"]
+    for r in rows:
+        s = r["shape"]
+        title = r["joint"] + (" " + r["surface"].split()[0] if r["kind"] == "knee" else "") + (", not looked at before" if untouched(r) else "")
+        lines.append(f"| {title} | {s['across']:.0f} | {s['width']:.1f} | {s['strain']:.0f} | {s['edge']:.0f} | {s['nu']:.2f} | {s['ratio']:.1f} | " + " | ".join(f"{r[m]:+.1f}" for m in MEASURES) +
+                     f" | {r['r']:.4f} | {r['bone p99']:+.1f}, {r['bone r']:.3f} |")
+    return lines
+
+
+def against_itself(rows):
+    """FEBio's finer mesh and higher penalty against its own normal one, and dea against both."""
+    lines = ["| joint | FEBio, finer, from FEBio: p99, mean, area, peak [%] | dea from FEBio | dea from FEBio, both on the finer mesh |", "|---" * 4 + "|"]
+    for fine in filter(finer, rows):
+        normal = next(r for r in rows if r["joint"] == fine["joint"].removesuffix("_finer") and r["surface"] == fine["surface"])
+        cells = [[100 * (fine["febio"][m] / normal["febio"][m] - 1) for m in MEASURES], [normal[m] for m in MEASURES], [fine[m] for m in MEASURES]]
+        title = normal["joint"] + (" " + fine["surface"].split()[0] if fine["kind"] == "knee" else "")
+        lines.append(f"| {title} | " + " | ".join(", ".join(f"{x:+.1f}" for x in cell) for cell in cells) + " |")
+    return lines
+
+
+PREDICTORS = {"facets across, doubled": lambda s: np.log2(s["across"]), "width in thicknesses, doubled": lambda s: np.log2(s["width"]), "10 % more strain": lambda s: s["strain"] / 10,
+              "10 % more force at edges": lambda s: s["edge"] / 10, "nu .1 more": lambda s: s["nu"] / 0.1, "ratio of moduli, doubled": lambda s: np.log2(s["ratio"])}
+
+
+def regression(rows):
+    """Least squares of the differences on what a contact is like, all at once; with standard errors."""
+    x = np.array([[1.0, *(of(r["shape"]) for of in PREDICTORS.values())] for r in rows])
+    lines = ["| changes the difference by [%], +- standard error | " + " | ".join(MEASURES[:3]) + " |", "|---" * 4 + "|"]
+    columns, explained = [], []
+    for m in MEASURES[:3]:
+        y = np.array([r[m] for r in rows])
+        b, _, rank, _ = np.linalg.lstsq(x, y, rcond=None)
+        left = y - x @ b
+        error = np.sqrt(np.diag(np.linalg.pinv(x.T @ x)) * (left @ left) / max(1, len(y) - rank))
+        columns.append([f"{c:+.1f} +- {e:.1f}" for c, e in zip(b[1:], error[1:])])
+        explained.append(f"{100 * (1 - left @ left / ((y - y.mean()) @ (y - y.mean()))):.0f} %")
+    lines += [f"| {name} | " + " | ".join(cells) + " |" for name, *cells in zip(PREDICTORS, *columns)]
+    return lines + ["| of the variance explained | " + " | ".join(explained) + " |"]
+
+
+def brief(rows):
+    good, of = joints_within(rows)
+    febio, own = [FEBIO[r["joint"]]["seconds"] for r in rows], [r["seconds"] for r in rows]
+    say = lambda m: (lambda x: f"{np.median(x):+.1f} % (nine tenths within {np.quantile(np.abs(x), .9):.1f} %, worst {x[np.abs(x).argmax()]:+.1f} %)")(np.array([r[m] for r in rows]))  # noqa: E731
+    return [f"Over {of} joints of seven kinds that FEBio {FEBIO[rows[0]['joint']]['version'].rsplit('.', 1)[0]} solved, law `layer` is off in the median contact by: p99 {say('p99')}, mean {say('mean')}, area {say('area')}; "
+            f"correlation of the maps {np.median([r['r'] for r in rows]):.3f}. dea took {np.median(own):.1f} s, FEBio {np.median(febio):.0f} s in the median joint."]
+
+
+def times(rows):
+    febio, own = np.array([FEBIO[r["joint"]]["seconds"] for r in rows]), np.array([r["seconds"] for r in rows])
+    return [f"FEBio {FEBIO[rows[0]['joint']]['version']}: {febio.min():.0f} to {febio.max():.0f} s, in the median {np.median(febio):.0f} s, two joints at a time on two processors that did other things, too (one thread each, a direct solver). "
+            f"dea: {own.min():.2f} to {own.max():.2f} s, in the median {np.median(own):.2f} s, one joint at a time on the same two processors."]
+
+
+def picture(rows, path):
+    import matplotlib
+    matplotlib.use("svg")
+    matplotlib.rcParams.update({"svg.hashsalt": "population", "svg.fonttype": "none", "font.family": "sans-serif"})
+    from matplotlib import pyplot
+    figure, axes = pyplot.subplots(1, 3, figsize=(10, 3.6), sharey=True)
+    for axis, m, bound in zip(axes, MEASURES, (6, 4, 4)):
+        axis.axhspan(-bound, bound, color="0.93")
+        axis.axhline(0, color="0.6", linewidth=0.8)
+        for k, kind in enumerate(joints.COUNTS):
+            some = [r for r in rows if r["kind"] == kind]
+            for n, r in enumerate(some):
+                x = k + 0.6 * ((n + 0.5) / len(some) - 0.5)
+                axis.plot(x, r[m], "o", markersize=5, color="C0", markerfacecolor="white" if untouched(r) else "C0")
+        axis.set_xticks(range(len(joints.COUNTS)), list(joints.COUNTS), rotation=45)
+        axis.set_title(f"{m}: dea less FEBio [%]", fontsize=10)
+    figure.tight_layout()
+    figure.savefig(path, metadata={"Date": None})
+
+
+def population_lines(rows):
+    """The table of src/rules/population.cpp."""
+    order = ("across", "width", "strain", "edge", "nu", "ratio")
+    for r in rows:
+        shape = ", ".join(f"{r['shape'][k] / (100 if k in ('strain', 'edge') else 1):.4g}" for k in order)
+        yield f'{{"{r["joint"]}", {{{shape}}}, {r["p99"]:.2f}, {r["mean"]:.2f}, {r["area"]:.2f}}},'
+
+
+def put(path, name, lines):
+    text = path.read_text()
+    place = re.compile(rf"(<!-- population {name} -->\n).*?(<!-- end {name} -->)", re.S)
+    if len(place.findall(text)) != 1:
+        raise SystemExit(f"{path}: found no place for the table {name}, expected the lines <!-- population {name} --> and <!-- end {name} -->")
+    path.write_text(place.sub(lambda m: m[1] + "\n".join(["", *lines, "", ""]) + m[2], text))
+
+
+def write(rows):
+    normal = [r for r in rows if not finer(r)]
+    RESULTS.write_text(json.dumps([{k: v for k, v in r.items() if k != "like"} for r in rows], indent=1) + "\n")
+    docs = ROOT / "docs/accuracy.md"
+    for name, lines in {"kinds": summary(normal), "itself": against_itself(rows), "regression": regression(normal), "times": times(normal), "joints": every(normal)}.items():
+        put(docs, name, lines)
+    put(ROOT / "README.md", "brief", brief(normal))
+    picture(normal, ROOT / "docs/figures/population.svg")
+    (ROOT / "src/rules/population.inc").write_text("// made by bench/population/results.py --write: joint, shape, then p99, mean, area against FEBio [%]\n" + "\n".join(population_lines(normal)) + "\n")
+
+
+def check(dea, names):
+    """Each row as it was written, within what a build and a processor may change; and src/rules has the same numbers."""
+    was = json.loads(RESULTS.read_text())
+    if (ROOT / "src/rules/population.inc").read_text().splitlines()[1:] != list(population_lines([r for r in was if not finer(r)])):
+        raise SystemExit("src/rules/population.inc: found other rows than in results.json, expected those that --write made")
+    told = 0
+    for name in names:
+        for new, old in zip(joint_rows(dea, name), [r for r in was if r["joint"] == name], strict=True):
+            for m in MEASURES:
+                if not abs(new[m] - old[m]) < 0.1:
+                    raise SystemExit(f"{name}, {new['surface']}: found {m} {new[m]:+.2f} %, expected {old[m]:+.2f} % within 0.1")
+            like = new["like"]  # what dea run tells has the joint itself among its neighbours
+            if like and not all(like[f"{m}_least"] - 0.1 <= new[m] <= like[f"{m}_most"] + 0.1 for m in MEASURES[:3]):
+                raise SystemExit(f"{name}, {new['surface']}: found {like}, expected its own differences within that")
+            told += like is not None
+            print(name, new["surface"], "as it was")
+    if not told:
+        raise SystemExit("found no contact that dea run tells of others like it, expected one at least")
+
+
 def main():
-    words, out = sys.argv[1:], None
-    if "--json" in words:
-        at = words.index("--json")
-        out = pathlib.Path(words[at + 1])
-        del words[at:at + 2]
-    if not words:
+    words = sys.argv[1:]
+    flags = {w for w in words if w.startswith("--")}
+    words = [w for w in words if w not in flags]
+    if not words or flags - {"--write", "--check"}:
         sys.exit(__doc__)
     dea = os.path.abspath(words[0])
-    there = [n for n in joints.NAMES if (HERE / "kept" / f"{n}.xz").exists()]
-    names = [n for n in there if n in joints.UNTOUCHED] if words[1:] == ["untouched"] else words[1:] or [n for n in there if n not in joints.UNTOUCHED]
+    there = [n + f for n in joints.NAMES for f in ("", "_finer") if (HERE / "kept" / f"{n}{f}.xz").exists()]
+    if "--check" in flags:
+        return check(dea, words[1:])
+    if "--write" in flags:
+        names = there
+    elif words[1:] == ["untouched"]:
+        names = joints.UNTOUCHED
+    else:
+        names = words[1:] or [n for n in there if n in joints.NAMES and n not in joints.UNTOUCHED]
     rows = []
     for name in names:
         for row in joint_rows(dea, name):
             rows.append(row)
             print(row["joint"], row["surface"], *(f"{m} {row[m]:+.1f}" for m in MEASURES), f"r {row['r']:.4f}", f"bone p99 {row['bone p99']:+.1f} r {row['bone r']:.3f}" if row["bone p99"] is not None else "", flush=True)
-    print("\n".join(summary(rows)))
-    if out:
-        out.write_text(json.dumps(rows, indent=1) + "\n")
+    print("\n".join(summary([r for r in rows if not finer(r)] or rows)))
+    if "--write" in flags:
+        write(rows)
 
 
 if __name__ == "__main__":

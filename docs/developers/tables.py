@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Prints the accuracy tables of README.md and docs/accuracy.md by running dea. Standard library only.
+"""Prints tables of docs/accuracy.md by running dea. Standard library only.
 
     docs/developers/tables.py DEA [FOLDER_WITH_FEBIO_RESULTS] [--joint TITLE MODEL.feb FEBIO.xplt]... [--write]
 
 DEA: the built program, e.g. build/release/app/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip), dea's
 results are compared with them (dea compare --help has the definitions); models that lie there with FEBio's results are added.
 --joint adds a joint of one's own to tables and ranges: its first surface with pressure in both, its own loads, last states.
---write puts the tables into the two files, between the lines <!-- tables.py NAME --> and <!-- end NAME -->.
+--write puts the tables into that page, between the lines <!-- tables.py NAME --> and <!-- end NAME -->.
 """
 import argparse
 import functools
@@ -160,13 +160,13 @@ def joint_table(rows):
     return lines
 
 
-def range_table(rows, names=None, by_areas=("reference", "deformed")):
+def range_table(rows):
     """Smallest and largest difference over the joints of a kind, with areas of the mesh and deformed."""
     lines = ["| differences from FEBio [%%] | joints | areas | %s | r, least | Dice, least |" % " | ".join(HEADLINE), "|---" * 9 + "|"]
-    for name in names or ["FEBio"] + [v[0] for v in VARIANTS if "flat" not in v[0]]:
+    for name in ["FEBio"] + [v[0] for v in VARIANTS if "flat" not in v[0]]:
         for kind in KINDS:
             of = [r for r in rows if r["name"] == name and r["kind"] == kind and r["differs"]]
-            for areas in by_areas if of else ():
+            for areas in ("reference", "deformed") if of else ():
                 columns = list(zip(*(r["differs"][areas] for r in of)))
                 cells = [" to ".join("%+.1f" % (round(x, 1) + 0.0) for x in ((min(c), max(c)) if len(of) > 1 else c)) for c in columns]
                 pattern = ["%.3f" % min(r["pattern"][k] for r in of) for k in (0, 2)] if areas == "reference" else ["", ""]
@@ -175,23 +175,17 @@ def range_table(rows, names=None, by_areas=("reference", "deformed")):
     return lines
 
 
-def brief_table(rows):
-    """What README.md shows: of range_table the default law with deformed areas, without the columns of the pattern."""
-    lines = range_table(rows, ["FEBio", "law layer"], ("deformed",))
-    return ["|".join(line.split("|")[:3] + line.split("|")[4:-3] + [""]) for line in lines]
-
-
 def write(tables):
-    for path, names in ((os.path.join(HERE, "..", "..", "README.md"), ("brief",)), (os.path.join(HERE, "..", "accuracy.md"), ("spheres", "ranges", "all"))):
-        with open(path) as f:
-            text = f.read()
-        for name in names:
-            place = re.compile(r"(<!-- tables\.py %s -->\n).*?(<!-- end %s -->)" % (name, name), re.S)
-            if len(place.findall(text)) != 1:
-                sys.exit("%s: found no place for the table \"%s\", expected the lines <!-- tables.py %s --> and <!-- end %s -->" % (path, name, name, name))
-            text = place.sub(lambda m: m.group(1) + "\n".join(["", *tables[name], "", ""]) + m.group(2), text)
-        with open(path, "w") as f:
-            f.write(text)
+    path = os.path.join(HERE, "..", "accuracy.md")
+    with open(path) as f:
+        text = f.read()
+    for name in tables:
+        place = re.compile(r"(<!-- tables\.py %s -->\n).*?(<!-- end %s -->)" % (name, name), re.S)
+        if len(place.findall(text)) != 1:
+            sys.exit("%s: found no place for the table \"%s\", expected the lines <!-- tables.py %s --> and <!-- end %s -->" % (path, name, name, name))
+        text = place.sub(lambda m: m.group(1) + "\n".join(["", *tables[name], "", ""]) + m.group(2), text)
+    with open(path, "w") as f:
+        f.write(text)
 
 
 def main():
@@ -204,8 +198,8 @@ def main():
     if a.write and not a.folder:
         sys.exit("--write: found no folder with FEBio's results, expected one: the tables compare with them")
     rows = [row for joint in joints(a.folder, a.joint) for row in measure(a.dea, joint)]
-    tables = {"spheres": spheres(a.dea), "ranges": range_table(rows), "brief": brief_table(rows), "all": joint_table(rows)}
-    for name in ("spheres", "ranges", "all"):
+    tables = {"spheres": spheres(a.dea), "ranges": range_table(rows), "all": joint_table(rows)}
+    for name in tables:
         print("\n".join(["", *tables[name]]))
     if a.write:
         write(tables)

@@ -9,13 +9,6 @@
 
 namespace dea {
 
-namespace {
-
-/// What of a surface's force presses it within one mean thickness of free edges of its layer.
-struct ForceAtEdges {
-  double share = 0.0;
-  double wall = 0.0;  ///< by how much the surface turns there into the side wall [rad], mean over this force
-};
 ForceAtEdges force_at_edges(const Layer& layer, const std::vector<double>& pressure) {
   const SurfaceMesh& mesh = layer.articular;
   const double near_by = layer.mean_thickness();
@@ -54,6 +47,8 @@ ForceAtEdges force_at_edges(const Layer& layer, const std::vector<double>& press
   if (beside > 0) found.wall /= beside;
   return found;
 }
+
+namespace {
 
 /// Largest pressure of both surfaces where they end in one plane.
 double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactFields& fields) {

@@ -33,11 +33,20 @@ Findings smeared_map(const JointModel& model, const Joint& joint, const SolvedSt
 Findings narrow_contact(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings incomplete_map(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // edges.cpp
+/// What of a surface's force presses it within one mean thickness of free edges of its layer.
+struct ForceAtEdges {
+  double share = 0.0;
+  double wall = 0.0;  ///< by how much the surface turns there into the side wall [rad], mean over this force
+};
+ForceAtEdges force_at_edges(const Layer& layer, const std::vector<double>& pressure);
 Findings force_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings pressed_selection(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings cut_face(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings shear_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result);
+// population.cpp
+Findings contact_shape(const JointModel& model, const Joint& joint, const SolvedStates& result);
+Findings contacts_like_this(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // outcome.cpp
 Findings no_solution(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings unstable_balance(const JointModel& model, const Joint& joint, const SolvedStates& result);

@@ -583,6 +583,12 @@ std::vector<Rule> all_rules() {
              "steps"}}),
       told("steps-skipped", "Nothing: you asked for it.",
            {{N, "the model's steps are not walked through: what holds at time {time} starts from the starting poses"}}),
+      of_result("contacts-like-this", "Quote it beside the numbers; docs/accuracy.md says what was compared.",
+                {{N,
+                  "contact \"{contact}\": of {contacts} contacts like this that FEBio solved too, p99 was "
+                  "{p99_least:+.1f} to {p99_most:+.1f}%, mean {mean_least:+.1f} to {mean_most:+.1f}%, area "
+                  "{area_least:+.1f} to {area_most:+.1f}% off (docs/accuracy.md)"}},
+                contacts_like_this),
       told("step-seats-bones", "Skip the steps if the motion is not meant.",
            {{N,
              "step {step} moves body \"{body}\", and the last step lets it go: if it only seats the bones, as finite "
@@ -630,6 +636,13 @@ std::vector<Rule> all_rules() {
               "contact \"{contact}\": its facets are up to {size:.2g} thicknesses long ({sizes}): force, p99 and peak "
               "are right to about 3%, area and mean to 5%, where contact is 8 facets wide, less where it is narrower; "
               "dea converge or {refine} tell"}}),
+      quiet_of_result(
+          "contact-shape", "Nothing: how far such contacts are from FEBio is in docs/accuracy.md.",
+          {{N,
+            "contact \"{contact}\": at time {time} it is {across:.1f} facets wide, {width:.2g} times as wide as its "
+            "layers are thick, strained to {strain:.0f}%, with {edge:.0f}% of its force within one thickness of a free "
+            "edge; moduli {ratio:.2g} to 1, nu {nu:.3g}"}},
+          contact_shape),
       quiet("shared-layer", "Nothing: they are solved together.",
             {{N, "contacts {contacts} press one layer of cartilage, surface {surfaces}: solved together"},
              {N, "contacts {contacts} press one layer of cartilage, surfaces {surfaces}: solved together"}}),

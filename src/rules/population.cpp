@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "src/base/numbers.h"
+#include "src/rules/look.h"
+
+namespace dea {
+
+namespace {
+
+/// What a contact is like, in what errors depend on.
+struct ContactShape {
+  double across;  ///< facets of the mesh across it, at its widest
+  double width;   ///< the same in thicknesses of both layers
+  double strain;  ///< the largest
+  double edge;    ///< share of the force within one thickness of a free edge, of the layer that has more
+  double nu;      ///< of the layer that has more
+  double ratio;   ///< of the greater confined modulus to the other
+};
+
+/// A contact of the population (bench/population), and what dea's result differs by from FEBio's.
+struct KnownContact {
+  const char* joint;
+  ContactShape shape;
+  double p99, mean, area;  ///< per cent
+};
+constexpr KnownContact kPopulation[] = {
+#include "src/rules/population.inc"
+};
+
+/// How near a contact has to be to count as like another.
+struct Nearness {
+  double (*of)(const ContactShape&);
+  double within;
+};
+constexpr Nearness kNearness[] = {{[](const ContactShape& s) { return std::log(s.across); }, 0.5},
+                                  {[](const ContactShape& s) { return std::log(s.width); }, 0.5},
+                                  {[](const ContactShape& s) { return s.strain; }, 0.08},
+                                  {[](const ContactShape& s) { return s.edge; }, 0.15},
+                                  {[](const ContactShape& s) { return s.nu; }, 0.08},
+                                  {[](const ContactShape& s) { return std::log(s.ratio); }, 0.4}};
+constexpr std::size_t kEnough = 10;
+
+bool alike(const ContactShape& a, const ContactShape& b) {
+  return std::all_of(std::begin(kNearness), std::end(kNearness),
+                     [&](const Nearness& n) { return std::abs(n.of(a) - n.of(b)) <= n.within; });
+}
+
+/// Does the population have less and more of everything?
+bool inside_population(const ContactShape& shape) {
+  return std::all_of(std::begin(kNearness), std::end(kNearness), [&](const Nearness& n) {
+    const auto [least, most] = std::minmax_element(
+        std::begin(kPopulation), std::end(kPopulation),
+        [&](const KnownContact& a, const KnownContact& b) { return n.of(a.shape) < n.of(b.shape); });
+    return n.of(least->shape) <= n.of(shape) && n.of(shape) <= n.of(most->shape);
+  });
+}
+
+/// A contact such as the population has: two layers of cartilage by law layer, each pressed by this contact alone.
+bool of_the_kind(const Joint& joint, const JudgedContact& c) {
+  const auto own = [&](const Layer& layer) {
+    return !layer.rigid && layer.part < 0 && layer.planes.empty() &&
+           std::count_if(joint.contacts.begin(), joint.contacts.end(), [&](const ContactPair& other) {
+             return other.layers[0].surface == layer.surface || other.layers[1].surface == layer.surface;
+           }) == 1;
+  };
+  return c.pair.law == Law::Layer && c.pair.layer_fit == LayerFit::TwoTerms && c.statistics.springs_active > 0 &&
+         own(c.pair.layers[0]) && own(c.pair.layers[1]);
+}
+
+ContactShape shape_of(const JudgedContact& c) {
+  const Layer &source = c.pair.source_layer(), &target = c.pair.target_layer();
+  const double across = facets_across(source, c.fields.sides[c.pair.source].pressure, c.statistics.headline.above);
+  ContactShape shape = {.across = across,
+                        .width = across * source.facet_size() * source.mean_thickness() /
+                                 (source.mean_thickness() + target.mean_thickness()),
+                        .strain = c.statistics.largest_strain,
+                        .edge = 0.0,
+                        .nu = std::max(source.elasticity.nu, target.elasticity.nu),
+                        .ratio = confined_modulus(source.elasticity.E, source.elasticity.nu) /
+                                 confined_modulus(target.elasticity.E, target.elasticity.nu)};
+  shape.ratio = std::max(shape.ratio, 1 / shape.ratio);
+  for (const int side : {0, 1})
+    if (const std::vector<double>& pressure = c.fields.sides[side].pressure; !pressure.empty())
+      shape.edge = std::max(shape.edge, force_at_edges(c.pair.layers[side], pressure).share);
+  return shape;
+}
+
+}  // namespace
+
+Findings contact_shape(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  Findings found;
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    if (!of_the_kind(joint, c)) continue;
+    const ContactShape s = shape_of(c);
+    found.push_back({"contact-shape",
+                     c.subject(),
+                     {{"across", s.across},
+                      {"width", s.width},
+                      {"strain", 100 * s.strain},
+                      {"edge", 100 * s.edge},
+                      {"nu", s.nu},
+                      {"ratio", s.ratio}}});
+  }
+  return found;
+}
+
+/// What joints of the population that are like this one differed from FEBio by: at least ten of them, and this one
+/// among them in every respect.
+Findings contacts_like_this(const JointModel&, const Joint& joint, const SolvedStates& result) {
+  Findings found;
+  for (const JudgedContact& c : judged_contacts(joint, result)) {
+    if (!of_the_kind(joint, c)) continue;
+    const ContactShape shape = shape_of(c);
+    if (!inside_population(shape)) continue;
+    std::vector<const KnownContact*> near_by;
+    for (const KnownContact& known : kPopulation)
+      if (alike(known.shape, shape)) near_by.push_back(&known);
+    if (near_by.size() < kEnough) continue;
+    std::vector<NamedValue> values = {{"contacts", near_by.size()}};
+    const auto add = [&](const std::string& name, double KnownContact::*error) {
+      const auto [least, most] =
+          std::minmax_element(near_by.begin(), near_by.end(),
+                              [=](const KnownContact* a, const KnownContact* b) { return a->*error < b->*error; });
+      values.push_back({name + "_least", (*least)->*error});
+      values.push_back({name + "_most", (*most)->*error});
+    };
+    add("p99", &KnownContact::p99);
+    add("mean", &KnownContact::mean);
+    add("area", &KnownContact::area);
+    found.push_back({"contacts-like-this", c.subject(), values});
+  }
+  return found;
+}
+
+}  // namespace dea
