@@ -113,9 +113,13 @@ def joints_within(rows):
     return len(good), len(names)
 
 
+def signed(x):
+    return f"{round(float(x), 1) + 0.0:+.1f}"  # no -0.0
+
+
 def spread(x):
     x = np.array(x)
-    return f"{np.median(x):+.1f}, {np.quantile(x, .25):+.1f} to {np.quantile(x, .75):+.1f}, {x[np.abs(x).argmax()]:+.1f}"
+    return f"{signed(np.median(x))}, {signed(np.quantile(x, .25))} to {signed(np.quantile(x, .75))}, {signed(x[np.abs(x).argmax()])}"
 
 
 def summary(rows):
@@ -136,8 +140,8 @@ def every(rows):
     for r in rows:
         s = r["shape"]
         title = r["joint"] + (" " + r["surface"].split()[0] if r["kind"] == "knee" else "") + (", not looked at before" if untouched(r) else "")
-        lines.append(f"| {title} | {s['across']:.0f} | {s['width']:.1f} | {s['strain']:.0f} | {s['edge']:.0f} | {s['nu']:.2f} | {s['ratio']:.1f} | " + " | ".join(f"{r[m]:+.1f}" for m in MEASURES) +
-                     f" | {r['r']:.4f} | {r['bone p99']:+.1f}, {r['bone r']:.3f} |")
+        lines.append(f"| {title} | {s['across']:.0f} | {s['width']:.1f} | {s['strain']:.0f} | {s['edge']:.0f} | {s['nu']:.2f} | {s['ratio']:.1f} | " + " | ".join(f"{signed(r[m])}" for m in MEASURES) +
+                     f" | {r['r']:.4f} | {signed(r['bone p99'])}, {r['bone r']:.3f} |")
     return lines
 
 
@@ -148,7 +152,7 @@ def against_itself(rows):
         normal = next(r for r in rows if r["joint"] == fine["joint"].removesuffix("_finer") and r["surface"] == fine["surface"])
         cells = [[100 * (fine["febio"][m] / normal["febio"][m] - 1) for m in MEASURES], [normal[m] for m in MEASURES], [fine[m] for m in MEASURES]]
         title = normal["joint"] + (" " + fine["surface"].split()[0] if fine["kind"] == "knee" else "")
-        lines.append(f"| {title} | " + " | ".join(", ".join(f"{x:+.1f}" for x in cell) for cell in cells) + " |")
+        lines.append(f"| {title} | " + " | ".join(", ".join(f"{signed(x)}" for x in cell) for cell in cells) + " |")
     return lines
 
 
@@ -175,8 +179,8 @@ def regression(rows):
 def brief(rows):
     good, of = joints_within(rows)
     febio, own = [FEBIO[r["joint"]]["seconds"] for r in rows], [r["seconds"] for r in rows]
-    say = lambda m: (lambda x: f"{np.median(x):+.1f} % (nine tenths within {np.quantile(np.abs(x), .9):.1f} %, worst {x[np.abs(x).argmax()]:+.1f} %)")(np.array([r[m] for r in rows]))  # noqa: E731
-    return [f"Over {of} joints of seven kinds that FEBio {FEBIO[rows[0]['joint']]['version'].rsplit('.', 1)[0]} solved, law `layer` is off in the median contact by: p99 {say('p99')}, mean {say('mean')}, area {say('area')}; "
+    say = lambda m: (lambda x: f"{signed(np.median(x))} % (nine tenths within {np.quantile(np.abs(x), .9):.1f} %, worst {signed(x[np.abs(x).argmax()])} %)")(np.array([r[m] for r in rows]))  # noqa: E731
+    return [f"Over {of} joints of seven kinds, from seeds, that FEBio {FEBIO[rows[0]['joint']]['version'].rsplit('.', 2)[0]} solved, law `layer` differs from it in the median contact by: p99 {say('p99')}, mean {say('mean')}, area {say('area')}; "
             f"correlation of the maps {np.median([r['r'] for r in rows]):.3f}. dea took {np.median(own):.1f} s, FEBio {np.median(febio):.0f} s in the median joint."]
 
 
@@ -273,7 +277,7 @@ def main():
     for name in names:
         for row in joint_rows(dea, name):
             rows.append(row)
-            print(row["joint"], row["surface"], *(f"{m} {row[m]:+.1f}" for m in MEASURES), f"r {row['r']:.4f}", f"bone p99 {row['bone p99']:+.1f} r {row['bone r']:.3f}" if row["bone p99"] is not None else "", flush=True)
+            print(row["joint"], row["surface"], *(f"{m} {signed(row[m])}" for m in MEASURES), f"r {row['r']:.4f}", f"bone p99 {row['bone p99']:+.1f} r {row['bone r']:.3f}" if row["bone p99"] is not None else "", flush=True)
     print("\n".join(summary([r for r in rows if not finer(r)] or rows)))
     if "--write" in flags:
         write(rows)
