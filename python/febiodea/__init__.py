@@ -18,7 +18,7 @@ import atexit as _atexit
 import os as _os
 import sys as _sys
 
-from . import _cells, _febiodea, _models, _settings, _tables, statistics
+from . import _cells, _febiodea, _labelled, _models, _settings, _tables, statistics
 from ._findings import Finding
 from ._errors import Error, InputError, UsageError, WriteError, need as _need, usage_fault as _usage_fault
 from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, Part, PlotField, PlotFile, PlotState, PlotSurface,
@@ -80,7 +80,7 @@ def analyse(recognition, states=None, *, times_from=None, progress=None):
     faults), UsageError.
     """
     _need(recognition, Recognition, "recognition", _RECOGNITION)
-    return _febiodea.analyse(recognition, _states_text(states), _os.fsencode(times_from or b""), progress)
+    return _models.analysed(recognition, _states_text(states), _os.fsencode(times_from or b""), progress)
 
 
 def prepare(recognition):
@@ -141,6 +141,19 @@ def _report(self, path):
     self._report(_os.fsencode(path))
 
 
+def _item(self, key):
+    """result["hip_contact"]: this contact in the last state; result[0], result[-1]: a state. Raises KeyError, IndexError."""
+    return self.states[-1][key] if isinstance(key, str) else self.states[key]
+
+
+def _contact_item(self, name):
+    """state["hip_contact"]: this contact. Raises KeyError."""
+    for contact in self.contacts:
+        if contact.name == name:
+            return contact
+    raise KeyError(f"found no contact {name!r}, expected one of {[c.name for c in self.contacts]}")
+
+
 def _add(owner, **methods):
     for name, method in methods.items():
         method.__name__ = name
@@ -150,7 +163,12 @@ def _add(owner, **methods):
 
 _add(Prepared, solve=_solve)
 _add(Result, table=_tables.rows, to_pandas=_to_pandas, write_xplt=_write_xplt, write_vtu=_write_vtu, report=_report,
-     _repr_html_=_tables.html_of)
+     _repr_html_=_tables.html_of, to_xarray=_labelled.result_to_xarray, to_meshio=_labelled.result_to_meshio,
+     to_pyvista=_labelled.result_to_pyvista, __reduce__=_models.reduce_result, __getitem__=_item)
+_add(State, _repr_html_=_tables.html_of_state, __getitem__=_contact_item)
+_add(Contact, _repr_html_=_tables.html_of_contact)
+_add(PlotFile, to_xarray=_labelled.plot_file_to_xarray, to_meshio=_labelled.plot_file_to_meshio,
+     to_pyvista=_labelled.plot_file_to_pyvista)
 _add(Model, __reduce__=_models.reduce_model)
 _add(Recognition, __reduce__=_models.reduce_recognition)
 for _owner in (Model, PlotState, PlotSurface):

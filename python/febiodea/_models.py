@@ -1,6 +1,7 @@
-"""Models, recognitions and settings in a pickle: what they were made from, read and recognised again."""
+"""Models, recognitions and results in a pickle: what they were made from; read, recognised and solved again."""
 import hashlib
 import os
+import weakref
 
 from . import _febiodea
 from ._errors import input_fault
@@ -58,3 +59,23 @@ def recognition_again(model, *said):
 def reduce_recognition(recognition):
     """Its model and settings: unpickling recognises again."""
     return recognition_again, (recognition.model, *recognition._said())
+
+
+_ASKED = weakref.WeakKeyDictionary()  # result: which states it was asked for
+
+
+def analysed(recognition, states, times_from, progress):
+    """Solves, and remembers of the result what was asked for."""
+    result = _febiodea.analyse(recognition, states, times_from, progress)
+    _ASKED[result] = (states, times_from)
+    return result
+
+
+def result_again(recognition, states, times_from):
+    """Solves once more."""
+    return analysed(recognition, states, times_from, None)
+
+
+def reduce_result(result):
+    """Its recognition and which states: unpickling solves them again, to the same bits."""
+    return result_again, (result.recognition, *_ASKED[result])

@@ -7,6 +7,7 @@ from ._errors import need, usage_fault, whole_number
 from ._states import states_text
 from ._study_results import read_study
 from ._study_tables import table_in_memory
+from ._tables import html_pairs
 
 _PAIRS = 'expected {"NAME": "OPTION VALUE"} or a list of ("NAME", "OPTION VALUE") pairs, such as ("stiffness", "E={8|12}")'
 
@@ -158,6 +159,10 @@ class Study:
         finally:
             file.close()
         return read_study(file.path)
+
+    def _repr_html_(self):
+        """Its models, factors and how many cases it has."""
+        return html_pairs([*(("model", model) for model in self.models), *((name, "factor") for name in self.factors), ("cases", len(self))])
 
     def __repr__(self):
         return f"<febiodea.Study of {len(self)} cases: {', '.join(self.factors) or 'no factor'}>"

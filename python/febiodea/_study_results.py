@@ -7,9 +7,10 @@ from typing import NamedTuple, Optional
 
 import numpy
 
-from . import _febiodea
+from . import _febiodea, _labelled
 from ._errors import input_fault, need, usage_fault, whole_number
 from ._study_tables import table_in_memory
+from ._tables import html_pairs
 
 _SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
           "layer_results": "case_id, state, layer_id", "layers": "case_id, state, layer_id",
@@ -291,6 +292,16 @@ class StudyResults:
 
     def _no_fields(self):
         return usage_fault(self._path, "found no pressures at nodes", 'expected a study that was run with keep="fields"')
+
+    def to_xarray(self):
+        return _labelled.study_to_xarray(self)
+    to_xarray.__doc__ = _labelled.study_to_xarray.__doc__
+
+    def _repr_html_(self):
+        """Its factors, and how many cases are there."""
+        pairs = [("file", self._path), *((factor.name, factor.text) for factor in self.factors), ("cases", f"{sum(self.counts.values())} of {self.planned}"),
+                 *self.counts.items()]
+        return html_pairs(pairs)
 
     def __repr__(self):
         counts = self.counts

@@ -68,6 +68,24 @@ def html_table(states, most=20):
     return "\n".join(lines) + "</table>"
 
 
+def html_pairs(pairs):
+    """A table of two columns: names and values."""
+    return "<table>" + "".join(f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in pairs) + "</table>"
+
+
+def html_of_state(state):
+    """The headline numbers of the state's contacts as a small table."""
+    return html_table([state])
+
+
+def html_of_contact(contact):
+    """Its headline numbers, its force and which surfaces it has."""
+    h = contact.headline
+    pairs = [("contact", contact.name), ("surfaces", f"{contact.source.surface}, {contact.target.surface}"), ("p99", h.p99), ("mean", h.mean), ("area", h.area),
+             ("peak", h.peak), ("force", float((contact.force ** 2).sum() ** 0.5))]
+    return html_pairs(pairs)
+
+
 def html_of(result):
     """The table, and the map of the last state."""
     from . import _errors, _maps
