@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <optional>
 #include <string>
 
 #include "src/base/numbers.h"
@@ -59,7 +59,7 @@ bool inside_population(const ContactShape& shape) {
   });
 }
 
-/// A contact such as the population has: two layers of cartilage by law layer, each pressed by this contact alone.
+/// Such as the population has: two layers of cartilage by law layer, each pressed by this contact alone.
 bool of_the_kind(const Joint& joint, const JudgedContact& c) {
   const auto own = [&](const Layer& layer) {
     return !layer.rigid && layer.part < 0 && layer.planes.empty() &&
@@ -71,9 +71,12 @@ bool of_the_kind(const Joint& joint, const JudgedContact& c) {
          own(c.pair.layers[0]) && own(c.pair.layers[1]);
 }
 
-ContactShape shape_of(const JudgedContact& c) {
+/// None: it is not of the kind, or has no width, for it carries next to nothing or ends nowhere.
+std::optional<ContactShape> shape_of(const Joint& joint, const JudgedContact& c) {
+  if (!of_the_kind(joint, c)) return std::nullopt;
   const Layer &source = c.pair.source_layer(), &target = c.pair.target_layer();
   const double across = facets_across(source, c.fields.sides[c.pair.source].pressure, c.statistics.headline.above);
+  if (!(across > 0) || !std::isfinite(across)) return std::nullopt;
   ContactShape shape = {.across = across,
                         .width = across * source.facet_size() * source.mean_thickness() /
                                  (source.mean_thickness() + target.mean_thickness()),
@@ -94,16 +97,16 @@ ContactShape shape_of(const JudgedContact& c) {
 Findings contact_shape(const JointModel&, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    if (!of_the_kind(joint, c)) continue;
-    const ContactShape s = shape_of(c);
+    const std::optional<ContactShape> s = shape_of(joint, c);
+    if (!s) continue;
     found.push_back({"contact-shape",
                      c.subject(),
-                     {{"across", s.across},
-                      {"width", s.width},
-                      {"strain", 100 * s.strain},
-                      {"edge", 100 * s.edge},
-                      {"nu", s.nu},
-                      {"ratio", s.ratio}}});
+                     {{"across", s->across},
+                      {"width", s->width},
+                      {"strain", 100 * s->strain},
+                      {"edge", 100 * s->edge},
+                      {"nu", s->nu},
+                      {"ratio", s->ratio}}});
   }
   return found;
 }
@@ -113,12 +116,11 @@ Findings contact_shape(const JointModel&, const Joint& joint, const SolvedStates
 Findings contacts_like_this(const JointModel&, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    if (!of_the_kind(joint, c)) continue;
-    const ContactShape shape = shape_of(c);
-    if (!inside_population(shape)) continue;
+    const std::optional<ContactShape> shape = shape_of(joint, c);
+    if (!shape || !inside_population(*shape)) continue;
     std::vector<const KnownContact*> near_by;
     for (const KnownContact& known : kPopulation)
-      if (alike(known.shape, shape)) near_by.push_back(&known);
+      if (alike(known.shape, *shape)) near_by.push_back(&known);
     if (near_by.size() < kEnough) continue;
     std::vector<NamedValue> values = {{"contacts", near_by.size()}};
     const auto add = [&](const std::string& name, double KnownContact::*error) {
