@@ -29,7 +29,8 @@ def _metadata():
 
 def _tag():
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    return f"{python}-{python}-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+    platform = os.environ.get("FEBIODEA_PLATFORM") or sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    return f"{python}-{python}-{platform}"
 
 
 def _build(folder):
@@ -71,6 +72,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     info = _info()
     files[f"{info}/METADATA"] = _metadata().encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: febiodea\nRoot-Is-Purelib: false\nTag: {_tag()}\n".encode()
+    licences = [ROOT / "NOTICE", ROOT / "LICENSE", *filter(None, [os.environ.get("FEBIODEA_LICENCES")])]
+    files |= {f"{info}/{pathlib.Path(path).name}": pathlib.Path(path).read_bytes() for path in licences}
     record = ""
     for path, content in files.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
