@@ -92,12 +92,13 @@ def main():
     kept.mkdir(exist_ok=True)
     for path in sorted(results.glob("*.xplt")):
         target = kept / f"{path.stem}.xz"
-        if not target.exists():
-            target.write_bytes(keep(path, joint_of(path.stem)))
-            print(target.name, target.stat().st_size)
-    table = results / "febio.json"
-    if table.exists():
-        (kept / table.name).write_bytes(table.read_bytes())
+        if target.exists():
+            print(f"{target.name}: is there, left as it is")
+            continue
+        target.write_bytes(keep(path, joint_of(path.stem)))
+        print(target.name, target.stat().st_size)
+    about = [json.loads(file.read_text()) for file in (results / "febio.json", kept / "febio.json") if file.exists()]
+    (kept / "febio.json").write_text(json.dumps({k: v for one in about for k, v in one.items()}, indent=1, sort_keys=True) + "\n")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -46,9 +47,14 @@ def main():
             jobs, config = (int(value), config) if option == "--jobs" else (jobs, value)
     if len(words) < 2:
         sys.exit(__doc__)
-    febio, results = words[0], pathlib.Path(words[1])
+    febio, results = shutil.which(words[0]), pathlib.Path(words[1])
+    if not febio:
+        sys.exit(f"{words[0]}: no such program")
+    febio, config = os.path.abspath(febio), config and os.path.abspath(config)
     results.mkdir(exist_ok=True)
     names = words[2:] or [*joints.NAMES, *(f"{n}_finer" for n in joints.FINER)]
+    if unknown := [n for n in names if n.removesuffix("_finer") not in joints.NAMES]:
+        sys.exit(f"found {', '.join(unknown)}, expected joints of joints.py list")
     table = results / "febio.json"
     found = json.loads(table.read_text()) if table.exists() else {}
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -56,6 +62,8 @@ def main():
             found[name] = about
             table.write_text(json.dumps(found, indent=1, sort_keys=True) + "\n")
             print(name, about, flush=True)
+    if failed := [n for n in names if not (results / f"{n}.xplt").exists()]:
+        sys.exit(f"not solved: {', '.join(failed)} (their .log is in {results})")
 
 
 if __name__ == "__main__":

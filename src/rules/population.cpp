@@ -25,7 +25,11 @@ struct ContactShape {
 struct KnownContact {
   const char* joint;
   ContactShape shape;
-  double p99, mean, area;  ///< per cent
+  struct Difference {
+    double p99, mean, area;  ///< per cent of FEBio's
+  };
+  Difference plain;      ///< as dea runs by itself
+  Difference in_series;  ///< with the give of FEBio's contact between the surfaces (S9)
 };
 constexpr KnownContact kPopulation[] = {
 #include "src/rules/population.inc"
@@ -123,17 +127,23 @@ Findings contacts_like_this(const JointModel&, const Joint& joint, const SolvedS
       if (alike(known.shape, *shape)) near_by.push_back(&known);
     if (near_by.size() < kEnough) continue;
     std::vector<NamedValue> values = {{"contacts", near_by.size()}};
-    const auto add = [&](const std::string& name, double KnownContact::*error) {
-      const auto [least, most] =
-          std::minmax_element(near_by.begin(), near_by.end(),
-                              [=](const KnownContact* a, const KnownContact* b) { return a->*error < b->*error; });
-      values.push_back({name + "_least", (*least)->*error});
-      values.push_back({name + "_most", (*most)->*error});
+    using Difference = KnownContact::Difference;
+    const auto add = [&](const std::string& name, Difference KnownContact::*kind, double Difference::*of) {
+      const auto [least, most] = std::minmax_element(
+          near_by.begin(), near_by.end(),
+          [=](const KnownContact* a, const KnownContact* b) { return a->*kind.*of < b->*kind.*of; });
+      values.push_back({name + "_least", (*least)->*kind.*of});
+      values.push_back({name + "_most", (*most)->*kind.*of});
     };
-    add("p99", &KnownContact::p99);
-    add("mean", &KnownContact::mean);
-    add("area", &KnownContact::area);
-    found.push_back({"contacts-like-this", c.subject(), values});
+    const bool plain = c.pair.interface_compliance == 0;
+    for (const auto& [before, kind] : {std::pair{"", plain ? &KnownContact::plain : &KnownContact::in_series},
+                                       std::pair{"series_", &KnownContact::in_series}}) {
+      if (!plain && *before != '\0') continue;
+      add(before + std::string("p99"), kind, &Difference::p99);
+      add(before + std::string("mean"), kind, &Difference::mean);
+      add(before + std::string("area"), kind, &Difference::area);
+    }
+    found.push_back({"contacts-like-this", c.subject(), values, plain ? 0 : 1});
   }
   return found;
 }
