@@ -1,7 +1,7 @@
 """Every example as a user would type it: python3 examples.py DEA SOURCE [-v].
 
-Collects the commands of README.md, docs, every folder's README.md and the "Examples" of each --help: lines of indented or fenced blocks that
-begin with `dea`, and code in a sentence that names a file. Runs each in a folder of its own with the files it names, and fails
+Collects the commands of the pages on top, of docs, of every folder's README.md and the "Examples" of each --help: lines of indented or fenced
+blocks that begin with `dea`, and code in a sentence that names a file. Runs each in a folder of its own with the files it names, and fails
 where the exit code is not 0, where a file that the line or the words beside it name is not there afterwards, and where a
 "note: ..." shown below it is not printed. A new example with a new file name needs a line in FILES."""
 import concurrent.futures
@@ -259,7 +259,7 @@ def results(kit, commands):
 
 
 def collect():
-    pages = [source / "README.md", *sorted((source / "docs").rglob("*.md")), *sorted((source / "samples").rglob("README.md")),
+    pages = [*sorted(source.glob("*.md")), *sorted((source / "docs").rglob("*.md")), *sorted((source / "samples").rglob("README.md")),
              *sorted(source.glob("*/README.md"))]
     found = [example for page in pages for example in in_text(page)]
     for command in ((), *((c,) for c in COMMANDS)):

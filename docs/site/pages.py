@@ -10,7 +10,7 @@ LINKED = re.compile(r"\]\((?!\w+:)([^)\s]+)\)")  # but for those to other hosts
 
 def pages(source):
     """Every page of the project, as paths from its root."""
-    found = [source / "README.md", source / "CHANGELOG.md", *(source / "docs").glob("*.md"), *source.glob("docs/*/*.md"), *source.glob("*/README.md"),
+    found = [*source.glob("*.md"), *(source / "docs").glob("*.md"), *source.glob("docs/*/*.md"), *source.glob("*/README.md"),
              *source.glob("io/*/README.md"), *source.glob("samples/*/README.md")]
     return sorted(path.relative_to(source).as_posix() for path in found if path.is_file())
 
