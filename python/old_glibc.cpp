@@ -1,6 +1,4 @@
 // python/old_glibc.cpp – a wheel made with a newer glibc is to run with 2.34 (portable/wheel.cmake): its newer symbols.
-#include <unistd.h>
-
 #include <cstdlib>
 
 extern "C" {
@@ -10,6 +8,7 @@ double hypot_of_old(double x, double y);
 double __wrap_hypot(double x, double y) { return hypot_of_old(x, y); }
 
 // What libstdc++ asks for random bits, as glibc 2.36 has it.
+int getentropy(void* buffer, std::size_t length);  // of glibc 2.25
 __attribute__((visibility("hidden"))) unsigned arc4random() {
   unsigned bits = 0;
   if (getentropy(&bits, sizeof bits) != 0) std::abort();
