@@ -63,21 +63,28 @@ bool inside_population(const ContactShape& shape) {
   });
 }
 
-/// Such as the population has: two layers of cartilage by law layer, each pressed by this contact alone.
-bool of_the_kind(const Joint& joint, const JudgedContact& c) {
+/// Such as the population has: two layers of neo-Hookean cartilage of one nu by law layer as it is by default, each
+/// pressed by this contact alone, on bodies that do not turn.
+bool of_the_kind(const JointModel& model, const Joint& joint, const SolvedStates& result, const JudgedContact& c) {
+  const ContactPair& pair = c.pair;
   const auto own = [&](const Layer& layer) {
-    return !layer.rigid && layer.part < 0 && layer.planes.empty() &&
+    return !layer.rigid && layer.part < 0 && layer.planes.empty() && layer.material >= 0 &&
+           model.materials[at(layer.material)].type == "neo-Hookean" &&
+           (at(layer.body) >= result.free_to_turn.size() || !result.free_to_turn[at(layer.body)]) &&
            std::count_if(joint.contacts.begin(), joint.contacts.end(), [&](const ContactPair& other) {
              return other.layers[0].surface == layer.surface || other.layers[1].surface == layer.surface;
            }) == 1;
   };
-  return c.pair.law == Law::Layer && c.pair.layer_fit == LayerFit::TwoTerms && c.statistics.springs_active > 0 &&
-         own(c.pair.layers[0]) && own(c.pair.layers[1]);
+  return pair.law == Law::Layer && pair.layer_fit == LayerFit::TwoTerms && pair.refine == 1 &&
+         pair.facets == Facets::Curved && c.statistics.springs_active > 0 &&
+         pair.layers[0].elasticity.nu == pair.layers[1].elasticity.nu && !c.state.equilibrium.unstable &&
+         own(pair.layers[0]) && own(pair.layers[1]);
 }
 
 /// None: it is not of the kind, or has no width, for it carries next to nothing or ends nowhere.
-std::optional<ContactShape> shape_of(const Joint& joint, const JudgedContact& c) {
-  if (!of_the_kind(joint, c)) return std::nullopt;
+std::optional<ContactShape> shape_of(const JointModel& model, const Joint& joint, const SolvedStates& result,
+                                     const JudgedContact& c) {
+  if (!of_the_kind(model, joint, result, c)) return std::nullopt;
   const Layer &source = c.pair.source_layer(), &target = c.pair.target_layer();
   const double across = facets_across(source, c.fields.sides[c.pair.source].pressure, c.statistics.headline.above);
   if (!(across > 0) || !std::isfinite(across)) return std::nullopt;
@@ -98,10 +105,10 @@ std::optional<ContactShape> shape_of(const Joint& joint, const JudgedContact& c)
 
 }  // namespace
 
-Findings contact_shape(const JointModel&, const Joint& joint, const SolvedStates& result) {
+Findings contact_shape(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    const std::optional<ContactShape> s = shape_of(joint, c);
+    const std::optional<ContactShape> s = shape_of(model, joint, result, c);
     if (!s) continue;
     found.push_back({"contact-shape",
                      c.subject(),
@@ -117,10 +124,10 @@ Findings contact_shape(const JointModel&, const Joint& joint, const SolvedStates
 
 /// What joints of the population that are like this one differed from FEBio by: at least ten of them, and this one
 /// among them in every respect.
-Findings contacts_like_this(const JointModel&, const Joint& joint, const SolvedStates& result) {
+Findings contacts_like_this(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
-    const std::optional<ContactShape> shape = shape_of(joint, c);
+    const std::optional<ContactShape> shape = shape_of(model, joint, result, c);
     if (!shape || !inside_population(*shape)) continue;
     std::vector<const KnownContact*> near_by;
     for (const KnownContact& known : kPopulation)

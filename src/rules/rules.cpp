@@ -586,19 +586,19 @@ std::vector<Rule> all_rules() {
       of_result("contacts-like-this",
                 "Expect differences of this size from FEBio, no bounds; docs/accuracy.md says what was compared.",
                 {{N,
-                  "contact \"{contact}\": of {contacts} contacts like this one in width, strain, edges, moduli and "
-                  "facets that FEBio solved too, "
-                  "p99 was {p99_least:+.1f} to {p99_most:+.1f}%, mean {mean_least:+.1f} to {mean_most:+.1f}%, area "
-                  "{area_least:+.1f} to {area_most:+.1f}% from FEBio's, whose contact gives way; with that in dea, "
-                  "too, p99 {series_p99_least:+.1f} to {series_p99_most:+.1f}%, mean "
-                  "{series_mean_least:+.1f} to {series_mean_most:+.1f}%, area {series_area_least:+.1f} to "
+                  "contact \"{contact}\": at time {time} it is like {contacts} contacts that FEBio solved too, in "
+                  "width, strain, edges, moduli and facets: there p99 was {p99_least:+.1f} to "
+                  "{p99_most:+.1f}%, mean {mean_least:+.1f} to {mean_most:+.1f}%, area {area_least:+.1f} to "
+                  "{area_most:+.1f}% from FEBio's, whose contact gives way (automatic penalty 4); with that "
+                  "in dea, too, p99 {series_p99_least:+.1f} to {series_p99_most:+.1f}%, mean {series_mean_least:+.1f} "
+                  "to {series_mean_most:+.1f}%, area {series_area_least:+.1f} to "
                   "{series_area_most:+.1f}% (docs/accuracy.md)"},
                  {N,
-                  "contact \"{contact}\": of {contacts} contacts like this one in width, strain, edges, moduli and "
-                  "facets that FEBio solved too, "
-                  "with the give of FEBio's contact in dea, p99 was {p99_least:+.1f} to {p99_most:+.1f}%, mean "
-                  "{mean_least:+.1f} to {mean_most:+.1f}%, area "
-                  "{area_least:+.1f} to {area_most:+.1f}% from FEBio's (docs/accuracy.md)"}},
+                  "contact \"{contact}\": at time {time} it is like {contacts} contacts that FEBio solved too, in "
+                  "width, strain, edges, moduli and facets: there, with the give of FEBio's contact "
+                  "(automatic penalty 4) in dea, p99 was {p99_least:+.1f} to {p99_most:+.1f}%, mean {mean_least:+.1f} "
+                  "to {mean_most:+.1f}%, area {area_least:+.1f} to {area_most:+.1f}% from FEBio's "
+                  "(docs/accuracy.md)"}},
                 contacts_like_this),
       told("step-seats-bones", "Skip the steps if the motion is not meant.",
            {{N,
