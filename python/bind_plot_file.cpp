@@ -292,8 +292,7 @@ void bind_plot_state(py::module_& m) {
       .value("domain_sizes", "How many elements each has.",
              [](const PlotStateView& s) {
                const std::vector<XpltDomain>& domains = s.mesh().domains;
-               return list_of(domains.size(),
-                              [&](std::size_t d) { return py::int_(domains[d].element_ids.size()); });
+               return list_of(domains.size(), [&](std::size_t d) { return py::int_(domains[d].element_ids.size()); });
              })
       .value("surfaces", "Names of the surfaces.", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); })
       .value("node_sets", "By their names the rows of `points`.",
