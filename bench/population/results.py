@@ -145,7 +145,7 @@ def every(rows):
     for r in rows:
         s = r["shape"]
         title = r["joint"] + (" " + r["surface"].split()[0] if r["kind"] == "knee" else "") + (", not looked at before" if untouched(r) else "")
-        lines.append(f"| {title} | {s['across']:.0f} | {s['width']:.1f} | {s['strain']:.0f} | {s['edge']:.0f} | {s['nu']:.2f} | {s['ratio']:.1f} | " + " | ".join(f"{signed(r[m])}" for m in MEASURES) +
+        lines.append(f"| {title} | {s['across']:.0f} | {s['width']:.1f} | {s['strain']:.0f} | {s['edge']:.0f} | {s['nu']:.2f} | {s['ratio']:.1f} | " + " | ".join(signed(r[m]) for m in MEASURES) +
                      f" | {r['r']:.4f} | {signed(r['bone p99'])}, {r['bone r']:.3f} |")
     return lines
 
@@ -158,7 +158,7 @@ def against_itself(rows):
         cells = [[100 * (fine["febio"][m] / normal["febio"][m] - 1) for m in MEASURES], [normal["plain"][m] for m in MEASURES], [fine["plain"][m] for m in MEASURES],
                  [normal[m] for m in MEASURES], [fine[m] for m in MEASURES]]
         title = normal["joint"] + (" " + fine["surface"].split()[0] if fine["kind"] == "knee" else "")
-        lines.append(f"| {title} | " + " | ".join(", ".join(f"{signed(x)}" for x in cell) for cell in cells) + " |")
+        lines.append(f"| {title} | " + " | ".join(", ".join(signed(x) for x in cell) for cell in cells) + " |")
     return lines
 
 
@@ -300,6 +300,9 @@ def check(dea, names):
             like = new["like"]  # what dea run tells has the joint itself among its neighbours
             if like and not all(like[f"{m}_least"] - 0.1 <= new["plain"][m] <= like[f"{m}_most"] + 0.1 for m in MEASURES[:3]):
                 raise SystemExit(f"{name}, {new['surface']}: found {like}, expected its own differences within that")
+            neighbours = sum(alike(other["shape"], new["shape"]) for other in was if not finer(other))
+            if like and like["contacts"] != neighbours:
+                raise SystemExit(f"{name}, {new['surface']}: found {like['contacts']:g} neighbours by dea, expected {neighbours}")
             told += like is not None
             print(name, new["surface"], "as it was")
     if not told:

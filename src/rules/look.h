@@ -45,7 +45,6 @@ Findings pressed_bare_rim(const JointModel& model, const Joint& joint, const Sol
 Findings cut_face(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings shear_at_edge(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // population.cpp
-Findings contact_shape(const JointModel& model, const Joint& joint, const SolvedStates& result);
 Findings contacts_like_this(const JointModel& model, const Joint& joint, const SolvedStates& result);
 // outcome.cpp
 Findings no_solution(const JointModel& model, const Joint& joint, const SolvedStates& result);

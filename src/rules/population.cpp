@@ -105,30 +105,22 @@ std::optional<ContactShape> shape_of(const JointModel& model, const Joint& joint
 
 }  // namespace
 
-Findings contact_shape(const JointModel& model, const Joint& joint, const SolvedStates& result) {
-  Findings found;
-  for (const JudgedContact& c : judged_contacts(joint, result)) {
-    const std::optional<ContactShape> s = shape_of(model, joint, result, c);
-    if (!s) continue;
-    found.push_back({"contact-shape",
-                     c.subject(),
-                     {{"across", s->across},
-                      {"width", s->width},
-                      {"strain", 100 * s->strain},
-                      {"edge", 100 * s->edge},
-                      {"nu", s->nu},
-                      {"ratio", s->ratio}}});
-  }
-  return found;
-}
-
-/// What joints of the population that are like this one differed from FEBio by: at least ten of them, and this one
-/// among them in every respect.
+/// What a contact is like; and what those of the population that are like it differed from FEBio by: at least ten of
+/// them, and this one among all in every respect.
 Findings contacts_like_this(const JointModel& model, const Joint& joint, const SolvedStates& result) {
   Findings found;
   for (const JudgedContact& c : judged_contacts(joint, result)) {
     const std::optional<ContactShape> shape = shape_of(model, joint, result, c);
-    if (!shape || !inside_population(*shape)) continue;
+    if (!shape) continue;
+    found.push_back({"contact-shape",
+                     c.subject(),
+                     {{"across", shape->across},
+                      {"width", shape->width},
+                      {"strain", 100 * shape->strain},
+                      {"edge", 100 * shape->edge},
+                      {"nu", shape->nu},
+                      {"ratio", shape->ratio}}});
+    if (!inside_population(*shape)) continue;
     std::vector<const KnownContact*> near_by;
     for (const KnownContact& known : kPopulation)
       if (alike(known.shape, *shape)) near_by.push_back(&known);
@@ -142,14 +134,14 @@ Findings contacts_like_this(const JointModel& model, const Joint& joint, const S
       values.push_back({name + "_least", (*least)->*kind.*of});
       values.push_back({name + "_most", (*most)->*kind.*of});
     };
+    const auto add_all = [&](const std::string& before, Difference KnownContact::*kind) {
+      add(before + "p99", kind, &Difference::p99);
+      add(before + "mean", kind, &Difference::mean);
+      add(before + "area", kind, &Difference::area);
+    };
     const bool plain = c.pair.interface_compliance == 0;
-    for (const auto& [before, kind] : {std::pair{"", plain ? &KnownContact::plain : &KnownContact::in_series},
-                                       std::pair{"series_", &KnownContact::in_series}}) {
-      if (!plain && *before != '\0') continue;
-      add(before + std::string("p99"), kind, &Difference::p99);
-      add(before + std::string("mean"), kind, &Difference::mean);
-      add(before + std::string("area"), kind, &Difference::area);
-    }
+    if (plain) add_all("", &KnownContact::plain);
+    add_all(plain ? "series_" : "", &KnownContact::in_series);
     found.push_back({"contacts-like-this", c.subject(), values, plain ? 0 : 1});
   }
   return found;

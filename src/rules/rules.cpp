@@ -647,13 +647,12 @@ std::vector<Rule> all_rules() {
               "contact \"{contact}\": its facets are up to {size:.2g} thicknesses long ({sizes}): force, p99 and peak "
               "are right to about 3%, area and mean to 5%, where contact is 8 facets wide, less where it is narrower; "
               "dea converge or {refine} tell"}}),
-      quiet_of_result(
+      quiet(
           "contact-shape", "Nothing: how far such contacts are from FEBio is in docs/accuracy.md.",
           {{N,
             "contact \"{contact}\": at time {time} it is {across:.1f} facets wide, {width:.2g} times as wide as its "
             "layers are thick, strained to {strain:.0f}%, with {edge:.0f}% of its force within one thickness of a free "
-            "edge; moduli {ratio:.2g} to 1, nu {nu:.3g}"}},
-          contact_shape),
+            "edge; moduli {ratio:.2g} to 1, nu {nu:.3g}"}}),
       quiet("shared-layer", "Nothing: they are solved together.",
             {{N, "contacts {contacts} press one layer of cartilage, surface {surfaces}: solved together"},
              {N, "contacts {contacts} press one layer of cartilage, surfaces {surfaces}: solved together"}}),
