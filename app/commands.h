@@ -31,7 +31,7 @@ struct StudyArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::vector<std::string> files;  ///< models, or a study
   SettingsArguments settings;      ///< `values` and `order` have "vary" and "factor" too
-  std::string cases, sample, count, seed, states, again, shard, output, csv, threads;
+  std::string cases, sample, count, seed, states, again, shard, output, csv, hdf5, threads;
   std::vector<std::string> keep;
   std::string report, subjects, group, pair, pair_by, regions, up, anterior, axis, center;
   std::string dose_above, cycles_per_year, years, cycle_seconds;

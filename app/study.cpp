@@ -35,6 +35,7 @@ Examples:
   dea study hip.feb --factor "stiffness: E={}" --factor "poisson: nu={}" --cases cases.csv --states last -o cases.db
   dea study hip.feb --vary "E: E={uniform(8,16)}" --sample sobol --count 4 --states last -o sample.db --csv -
   dea study plan.db --csv results.csv
+  dea study plan.db --hdf5 results.h5
   dea study plan.db --report plan.html --group E
   dea study a.feb b.feb --states last -o hips.db
   dea study hips.db --report hips.html --subjects subjects.csv --group stage --pair stage)";
@@ -70,6 +71,8 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
   add_once(*c, "-o", a.output, "FILE.db", "Output",
            "File of the study; results are added to it as they come; with --overwrite it begins anew");
   add_once(*c, "--csv", a.csv, "FILE|-", "Output", "Also write CSV, a line per case, state and contact");
+  add_once(*c, "--hdf5", a.hdf5, "FILE.h5", "Output",
+           "Also write HDF5 that netCDF's readers open: a variable per number, over case, state and contact");
   add_repeated(*c, "--keep", a.keep, "fields|xplt", "Output",
                "Also keep pressures at the nodes in the file, or a plot file per case in the folder FILE_xplt");
   c->add_flag("--merge", a.merge, "Join the files of shards into that of -o")->group("Output");
@@ -156,6 +159,7 @@ int solve_study(const StudyArguments& a) {
   output.shard = shard_of(a.shard);
   output.overwrite = a.overwrite;
   output.remedy = "--overwrite begins anew, -o FILE.db makes another";
+  check_columns(a);
   study_page_options(a);  // what is wrong with them, before anything is solved
   output.others = written_beside(a);
   if (!a.overwrite) refuse_to_replace(output.others, "replaces it and begins " + a.output + " anew");

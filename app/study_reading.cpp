@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/study_reading.h"
 #include "app/study_report.h"
+#include "io/study/study_columns.h"
 #include "io/study/study_file.h"
 #include "io/study/study_output.h"
 #include "src/base/error.h"
@@ -92,15 +93,23 @@ std::string study_text(const StudyHead& head, const StudyCounts& counts) {
 
 std::string plural(std::size_t n, const char* word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
 
+void check_columns(const StudyArguments& a) {
+  if (a.hdf5.empty()) return;
+  check_columns_possible();
+  if (a.hdf5 == "-") throw UsageError("--hdf5 -: cannot go to standard output, give it a name");
+}
+
 std::vector<NamedPath> written_beside(const StudyArguments& a) {
   std::vector<NamedPath> outputs;
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  if (!a.hdf5.empty()) outputs.push_back({"--hdf5", a.hdf5});
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
   return outputs;
 }
 
 int end_study(const StudyHead& head, const StudyArguments& a, const std::string& summary) {
   if (!a.csv.empty()) write_csv(head.path, a.csv);
+  if (!a.hdf5.empty()) write_study_columns(head.path, a.hdf5);
   write_study_report(a, head.path);
   if (!summary.empty() && !quiet_altogether(a.findings)) {
     log(summary);
@@ -116,15 +125,16 @@ int read_study(const StudyArguments& a, const std::string& path) {
   if (a.files.size() > 1)
     throw UsageError(fmt::format("{}: found a study beside other files, expected it alone, or --merge", path));
   if (!a.output.empty())
-    throw UsageError(fmt::format("-o {}: found it beside a study that is read, expected --csv or --report", a.output));
+    throw UsageError(fmt::format("-o {}: found it beside a study that is read, expected --csv, --hdf5 or --report", a.output));
   refuse_solving_options(a, "a study that is read");
+  check_columns(a);
   study_page_options(a);
   const StudyHead head = read_study_head(path);
   std::vector<NamedPath> inputs = {{"the study", path}};
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
   const HeldOutputs held = claim_outputs(inputs, written_beside(a));
   if (!a.overwrite) refuse_to_replace(written_beside(a));
-  if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
+  if (written_beside(a).empty()) print(study_text(head, count_cases(path)));
   return end_study(head, a, "");
 }
 
@@ -135,6 +145,7 @@ int merge_shards(const StudyArguments& a) {
   std::vector<NamedPath> inputs, outputs = written_beside(a);
   outputs.insert(outputs.begin(), {"-o", a.output});
   for (const std::string& file : a.files) inputs.push_back({"a shard", file});
+  check_columns(a);
   study_page_options(a);
   if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
   const HeldOutputs held = claim_outputs(inputs, outputs);

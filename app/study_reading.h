@@ -12,7 +12,10 @@ namespace dea {
 /// "1 case", "2 cases".
 std::string plural(std::size_t n, const char* word);
 
-/// The CSV and the page, as far as they are asked for.
+/// Throws UsageError: HDF5 is asked for, and this program or that place has none.
+void check_columns(const StudyArguments& arguments);
+
+/// The CSV, the columns and the page, as far as they are asked for.
 std::vector<NamedPath> written_beside(const StudyArguments& arguments);
 
 /// Writes them and tells how the study ended; the exit code. `summary`: of what was solved; empty: nothing was.

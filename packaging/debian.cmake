@@ -57,7 +57,7 @@ file(STRINGS packages.txt lines REGEX "^lib.* build$|-dev build$")
 set(needs "${library_package} (= ${deb_version})")
 foreach(line ${lines})
   string(REGEX REPLACE " build$" "" package "${line}")
-  if(NOT package MATCHES "cli11|sqlite|boost")  # the program's alone
+  if(NOT package MATCHES "cli11|sqlite|boost|hdf5")  # the program's alone
     string(APPEND needs ", ${package}")
   endif()
 endforeach()

@@ -481,6 +481,140 @@ def test_a_disk_without_room_and_then_with_more(f):
     assert f.results("more.db") == f.results("whole.db")
 
 
+TABLES = [  # what stands in a group of the columns: its query, and what tells its items apart
+    ("/", "SELECT * FROM cases", ()),
+    ("/", "SELECT DISTINCT case_id, state, time, outcome, iterations, residual_force, solved FROM results WHERE state", ()),
+    ("/", "SELECT * FROM statistics LEFT JOIN inside USING (case_id, state, contact_id)", ("contact_id", "contact")),
+    ("/parts", "SELECT * FROM parts LEFT JOIN inside_parts USING (case_id, state, contact_id, part_id)", ("contact_id", "part_id")),
+    ("/poses", "SELECT * FROM poses", ("body_id", "body"))]
+ELSEWHERE = {"case_id", "state", "model_id"}
+
+
+def columns_differ(f, study, file):
+    """(variable, where) of what the columns have otherwise than the study's file."""
+    import h5py
+    import numpy
+
+    def values(variable):
+        if variable.dtype == object:
+            return variable.asstr()[()]
+        meanings = variable.attrs.get("flag_meanings")
+        if meanings is None:
+            return variable[()]
+        return numpy.array((meanings.decode() if isinstance(meanings, bytes) else meanings).split())[variable[()]]
+
+    def same(value, wanted):
+        if wanted is None:
+            return value == "" or value != value
+        return value == ({0: "no", 1: "yes"}[wanted] if value in ("no", "yes") else wanted)
+
+    found = []
+    with h5py.File(f.path / file) as h5, sqlite3.connect(f"file:{f.path / study}?mode=ro", uri=True) as connection:
+        connection.row_factory = sqlite3.Row
+        for place, sql, keys in TABLES:
+            rows, group = connection.execute(sql).fetchall(), h5[place]
+            of = {name: values(group[name]) for name in rows[0].keys() if name not in ELSEWHERE}
+            case_at = {number: i for i, number in enumerate(group["case"][()].tolist())}
+            item_at = {key: i for i, key in enumerate(zip(*(of[key].tolist() for key in keys)))}
+            for row in rows:
+                at = (case_at[row["case_id"]],) + ((row["state"] - 1,) if "state" in row.keys() else ())
+                item = (item_at[tuple(row[key] for key in keys)],) if keys else ()
+                for name, value in of.items():
+                    # what says of an item what it is stands over the items alone
+                    place_of = item if value.ndim == 1 and keys else at + item
+                    # a contact of the same name in two models may be between other bodies
+                    of_several = name in ("source", "target") and row[name] in value[place_of].split(",")
+                    if not of_several and not same(value[place_of], row[name]):
+                        found.append((name, place_of))
+    return found
+
+
+def test_columns_have_the_numbers_of_the_file(f):
+    """Two models, several states, the inside, compartments, factors of numbers and of words, cases without a solution and refused."""
+    try:
+        import h5py
+        import zlib
+    except ImportError:
+        print("        not tried: there is no h5py")
+        return
+    subprocess.run([make_samples, "--plateaus", "4", f.path / "plateaus.feb"], check=True)
+    f.write("bad.feb", BALL[:5000])
+    f.run("ball.feb", "plateaus.feb", "bad.feb", "--facets", "flat", "--inside", "--vary", "E: E={8|12}", "--vary", "poisson: nu={0.4|0.45}",
+          "--vary", "spring: law={linear|layer}", "--keep", "fields", "-o", "plan.db", "--hdf5", "plan.h5", "-q", code=1)
+    outcomes = {o for o, in f.query("plan.db", "SELECT case_outcome FROM cases")}
+    assert {"refused", "solved"} <= outcomes, outcomes
+    assert f.query("plan.db", "SELECT count(*) FROM parts")[0][0] > 0, "no compartments"
+    differ = columns_differ(f, "plan.db", "plan.h5")
+    assert differ == [], differ[:5]
+    with h5py.File(f.path / "plan.h5", "r+") as h5:
+        h5["headline_mean"][1, 0, 0] += 1e-9
+    assert columns_differ(f, "plan.db", "plan.h5") == [("headline_mean", (1, 0, 0))], "a number that is another is found"
+    f.run("plan.db", "--hdf5", "plan.h5", "--csv", "plan.csv", "-q", code=1)
+    with h5py.File(f.path / "plan.h5") as h5, open(f.path / "plan.csv") as table:
+        rows = [row for row in csv.DictReader(table) if row["contact"]]
+        case, contacts = h5["case"][()].tolist(), h5["contact"].asstr()[()].tolist()
+        at = [(case.index(int(row["case_id"])), int(row["state"]) - 1, contacts.index(row["contact"])) for row in rows]
+        for name in ("headline_p99", "force_z", "source_bone_max_shear_stress_p99"):
+            differ = [(h5[name][place], row[name]) for place, row in zip(at, rows) if f"{h5[name][place]}" != f"{float(row[name] or 'nan')}"]
+            assert differ == [], (name, differ)
+        surfaces = list(h5["fields"].values())
+        assert len(surfaces) == 2
+        for case_id, state, pressure in f.query("plan.db", "SELECT case_id, state, pressure FROM fields"):
+            there = [s["pressure"][s["case"][()].tolist().index(case_id), state - 1] for s in surfaces if case_id in s["case"][()]]
+            assert len(there) == 1 and there[0].tobytes() == zlib.decompress(pressure), (case_id, state)
+
+
+def test_columns_are_netcdf(f):
+    f.run(*turned(3), "--keep", "fields", "-o", "plan.db", "--hdf5", "plan.h5", "-q")
+    tried = 0
+    read = ("import xarray; d = xarray.open_dataset('plan.h5'); b = xarray.open_dataset('plan.h5', group='poses'); "
+            "p = xarray.open_dataset('plan.h5', group='fields/surface_1'); print(*d.headline_p99.dims, *p.pressure.dims, *d.t.values, "
+            "str(d.model.values[2]), sorted(b.body.values.tolist())[0], repr(str(d.case_message.values[0])), sep=' ')")
+    done = subprocess.run([sys.executable, "-c", read], cwd=f.path, text=True, capture_output=True)
+    if "No module named" in done.stderr or "unrecognized engine" in done.stderr or "netcdf" in done.stderr.lower():
+        print("        not tried: " + done.stderr.strip().splitlines()[-1])
+    else:
+        assert done.stdout == "case state contact case state vertex 1.0 2.0 3.0 ball.feb ball ''\n", done
+    try:
+        dump = subprocess.run(["h5dump", "-d", "/headline_p99", "plan.h5"], cwd=f.path, text=True, capture_output=True)
+    except FileNotFoundError:
+        print("        not tried: there is no h5dump")
+        return
+    p99 = f.query("plan.db", "SELECT headline_p99 FROM statistics")
+    assert all(f"{value:.6g}" in dump.stdout for value, in p99), dump.stdout
+
+
+def test_columns_that_cannot_be_written(f):
+    f.run(*turned(200), "--keep", "fields", "-o", "plan.db", "-q")
+    f.write("mine.h5", "mine")
+    for words, code, part in [
+            (["--hdf5", "mine.h5"], 4, "mine.h5: it is there already, not made by dea"), (["--hdf5", "-"], 2, "--hdf5 -"),
+            (["--hdf5", "/dev/null"], 4, "is no file"), (["--hdf5", "none/x.h5"], 4, "there is no folder none"),
+            (["--hdf5", "plan.db"], 2, "would overwrite the study")]:
+        expect(f.fault("plan.db", *words, code=code), part)
+    assert (f.path / "mine.h5").read_text() == "mine"
+    f.run("plan.db", "--hdf5", "plan.h5", "-q")
+    whole = (f.path / "plan.h5").read_bytes()
+
+    def limit(size):
+        return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    for part in (1, 3, 9, 30):
+        expect(f.fault("plan.db", "--hdf5", "plan.h5", code=4, preexec_fn=limit(len(whole) * part // 31)), "cannot write plan.h5: File too large")
+    assert (f.path / "plan.h5").read_bytes() == whole, "the old file"
+    killed = 0
+    for n in range(20):  # killed while it writes: the old file, or none
+        study = f.start("plan.db", "--hdf5", ("plan.h5", "new.h5")[n % 2], "-q")
+        time.sleep(0.004 * n)
+        study.send_signal(signal.SIGKILL)
+        study.communicate()
+        killed += study.returncode != 0
+        assert (f.path / "plan.h5").read_bytes() == whole, "the old file"
+        assert not (f.path / "new.h5").exists() or (f.path / "new.h5").read_bytes() == whole
+        (f.path / "new.h5").unlink(missing_ok=True)
+    assert killed > 3, killed
+
+
 def test_databases_that_are_no_study_any_more(f):
     f.run(*turned(300), "-q", "-o", "plan.db")
     whole = (f.path / "plan.db").read_bytes()

@@ -69,6 +69,16 @@ fs::path target_of(const std::string& path) {
   return last;
 }
 
+/// The same of what can be gone back in. Throws WriteError: a device or a pipe.
+fs::path regular_target(const std::string& path) {
+  std::error_code error;
+  const fs::path target = target_of(path);
+  const fs::file_status status = fs::status(target, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw WriteError(fmt::format("{}: is no file, expected one or a new name", path));
+  return target;
+}
+
 /// An open file is written, then closed. `path`: as the user calls it.
 void write_and_close(int file, const std::string& path, const std::function<void(int file)>& write) {
   if (file < 0) cannot_write(path, errno);
@@ -224,12 +234,18 @@ void write_pieces(const std::string& path, const std::function<void(const PutPie
 }
 
 void write_open_file(const std::string& path, const std::function<void(int file)>& write) {
-  std::error_code error;
-  const fs::path target = target_of(path);
-  const fs::file_status status = fs::status(target, error);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    throw WriteError(fmt::format("{}: is no file, expected one or a new name", path));
-  write_beside(path, target, write);
+  write_beside(path, regular_target(path), write);
+}
+
+void write_named_file(const std::string& path, const std::function<void(const std::string& name)>& write) {
+  const fs::path target = regular_target(path);
+  fs::path name;
+  const int file = create_temporary(target.parent_path(), name);
+  if (file < 0) cannot_write(path, errno);
+  const Temporary temporary(name);
+  close_file(file);
+  write(temporary.path);
+  if (const int why = replace_file(temporary.path, target.string())) cannot_write(path, why);
 }
 
 void write_folder(const std::string& path, const std::function<bool(const std::string& name)>& old,

@@ -31,6 +31,9 @@ void write_pieces(const std::string& path, const std::function<void(const PutPie
 /// in. Throws WriteError, and what `write` throws.
 void write_open_file(const std::string& path, const std::function<void(int file)>& write);
 
+/// The same by a library that opens files itself: the name of an empty one, to be closed when `write` ends.
+void write_named_file(const std::string& path, const std::function<void(const std::string& name)>& write);
+
 /// A folder of new files: it is there with all of them, or as it was before. `write` calls `put` with each. A folder
 /// that is there is replaced if `old(name)` holds for all of its files. Throws WriteError: it holds others.
 using PutFile = std::function<void(const std::string& name, const std::string& text)>;

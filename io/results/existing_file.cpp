@@ -28,6 +28,7 @@ constexpr std::string_view kTableHeads[] = {"time,contact,", "time,outcome,conta
 // JSON, pages, manual pages
 constexpr std::string_view kTextMarks[] = {"\"schema\": \"dea.", "name=\"generator\" content=\"FEBioDEA\"",
                                            "\"FEBioDEA "};
+constexpr std::string_view kColumnsHead = "\x89HDF\r\n", kColumnsMark = "dea.study-columns/";
 constexpr std::string_view kFramesMarks[] = {"?xml ", "febiodea_settings ", "/febiodea_settings>",
                                              "!-- ",  "frame name=",        "/frame>"};
 
@@ -72,6 +73,7 @@ bool made_by_dea(const std::string& path) {
   const auto holds = [&](std::string_view mark) { return head.find(mark) != head.npos; };
   if (std::any_of(std::begin(kTableHeads), std::end(kTableHeads), starts)) return true;
   if (std::any_of(std::begin(kTextMarks), std::end(kTextMarks), holds)) return true;
+  if (starts(kColumnsHead)) return holds(kColumnsMark);
   if (holds("<febiodea_settings")) return is_frames_alone(path);
   return has(path, starts(kLibraryHead) ? kName : kPictureMark);
 }

@@ -150,13 +150,7 @@ constexpr const char* kInsideOfParts =
     "i.part_id = t.part_id";
 
 /// 1 where a state is a solution: those that are none have numbers too.
-std::string solved_column() {
-  std::string outcomes;
-  for (int o = 0; o <= static_cast<int>(Outcome::PressedTwice); ++o)
-    if (solved(static_cast<Outcome>(o)))
-      outcomes += fmt::format("{}'{}'", outcomes.empty() ? "" : ", ", name(static_cast<Outcome>(o)));
-  return fmt::format(", coalesce(s.outcome IN ({}), 0) AS solved", outcomes);
-}
+std::string solved_column() { return fmt::format(", coalesce({}, 0) AS solved", solved_condition("s")); }
 
 /// "a, b, " as ", a, b".
 std::string listed_last(const std::string& names) { return ", " + names.substr(0, names.size() - 2); }
@@ -205,6 +199,14 @@ std::vector<std::string> study_tables(const Database& database) {
   return tables;
 }
 
+std::string solved_condition(const std::string& alias) {
+  std::string outcomes;
+  for (int o = 0; o <= static_cast<int>(kLastOutcome); ++o)
+    if (solved(static_cast<Outcome>(o)))
+      outcomes += fmt::format("{}'{}'", outcomes.empty() ? "" : ", ", name(static_cast<Outcome>(o)));
+  return fmt::format("{}.outcome IN ({})", alias, outcomes);
+}
+
 void check_study(const Database& d) {
   const auto number = [&](const char* pragma) {
     Statement row(d, pragma);
@@ -244,7 +246,7 @@ void copy_table(const Database& from, const Database& to, const std::string& tab
 void check_factor_names(const std::vector<Factor>& factors) {
   Database none(":memory:", Database::For::Writing);
   make_study_tables(none, {}, true);
-  std::set<std::string> taken;
+  std::set<std::string> taken = {"case", "parts", "layers", "soft_parts", "poses", "fields"};  // of columns
   for (const char* all :
        {"SELECT * FROM cases", "SELECT * FROM results", "SELECT * FROM part_results", "SELECT * FROM layer_results"})
     for (const std::string& name : column_names(none, all)) taken.insert(lower_case(name));

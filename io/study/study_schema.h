@@ -23,6 +23,9 @@ void check_study(const Database& database);
 /// `inside`: the views also have what cases tell of the inside of layers.
 void make_study_tables(Database& database, const std::vector<Factor>& factors, bool inside);
 
+/// A condition on a row of `states` under the name `alias`: its state is a solution.
+std::string solved_condition(const std::string& alias);
+
 /// Is a table of the study as a whole, the same in every shard?
 bool describes_study(const std::string& table);
 

@@ -22,6 +22,7 @@ enum class Outcome {
   NoContact,            ///< nothing loads a free body and nothing presses it: any place is a balance
   PressedTwice          ///< two partners press one place of a layer at once, and it carries more than kMostTwice
 };
+inline constexpr Outcome kLastOutcome = Outcome::PressedTwice;
 inline const char* name(Outcome outcome) {
   return word_of(outcome, {"Prescribed", "Balanced", "BalancedToOneSpring", "SurfacesApart", "NoEquilibrium",
                            "NotConverged", "BeyondStrainLimit", "NoContact", "PressedTwice"});

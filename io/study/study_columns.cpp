@@ -1,0 +1,403 @@
+#include "io/study/study_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+#include "io/files/output.h"
+#include "io/study/hdf5_file.h"
+#include "io/study/open_study.h"
+#include "io/study/study_file.h"
+#include "src/base/numbers.h"
+#include "src/equilibrium/search.h"
+
+namespace dea {
+
+namespace {
+
+constexpr std::size_t kBlockValues = 1 << 16;  ///< of a variable, written at a time: half a megabyte of numbers
+
+/// A column of a query, and the variable it becomes.
+struct Column {
+  std::string name;
+  Hdf5Type type = Hdf5Type::Double;
+  std::vector<std::string> words = {};  ///< what the numbers 0, 1, ... of a column of words stand for
+};
+
+/// What a query finds, as variables: its rows come in the order of their cases, and are written a block of cases at a
+/// time, so that memory does not grow with the study.
+class Pass {
+ public:
+  /// The first of `dimensions` is that of the cases.
+  Pass(const Hdf5File& file, const Hdf5Object& in, const std::vector<Hdf5Dimension>& dimensions,
+       std::vector<Column> columns)
+      : file_(file), columns_(std::move(columns)), cases_(dimensions.front().size) {
+    for (std::size_t i = 1; i < dimensions.size(); ++i) of_case_ *= dimensions[i].size;
+    block_ =
+        std::clamp<std::size_t>(kBlockValues / std::max<std::size_t>(1, of_case_), 1, std::max<std::size_t>(1, cases_));
+    for (const Column& c : columns_) {
+      variables_.push_back(file.variable(in, c.name, c.type, dimensions, block_));
+      if (c.type == Hdf5Type::Word) file.words(variables_.back(), c.words);
+    }
+    clear();
+  }
+
+  /// Of the case of index `of`, at `place` among what a case has; the values begin at column `first` of the row.
+  void add(std::size_t of, std::size_t place, const Statement& row, int first) {
+    while (of >= begin_ + block_) write();
+    const std::size_t at = (of - begin_) * of_case_ + place;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const int column = first + static_cast<int>(i);
+      if (columns_[i].type == Hdf5Type::Text)
+        texts_[i][at] = row.text(column);
+      else
+        numbers_[i][at] =
+            columns_[i].type == Hdf5Type::Word ? number_of(columns_[i], row.text(column)) : row.number(column);
+    }
+  }
+
+  void finish() {
+    while (begin_ < cases_) write();
+  }
+
+ private:
+  static double number_of(const Column& column, const std::string& word) {
+    const auto found = std::find(column.words.begin(), column.words.end(), word);
+    return found == column.words.end() ? 0.0 : static_cast<double>(found - column.words.begin());
+  }
+
+  std::size_t count() const { return std::min(block_, cases_ - begin_); }
+
+  void clear() {
+    texts_.assign(columns_.size(), {});
+    numbers_.assign(columns_.size(), {});
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      if (columns_[i].type == Hdf5Type::Text)
+        texts_[i].resize(count() * of_case_);
+      else
+        numbers_[i].resize(count() * of_case_, columns_[i].type == Hdf5Type::Word ? 0.0 : kNaN);
+  }
+
+  void write() {
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      if (columns_[i].type == Hdf5Type::Text)
+        file_.write(variables_[i], begin_, count(), texts_[i]);
+      else
+        file_.write(variables_[i], begin_, count(), numbers_[i]);
+    begin_ += count();
+    clear();
+  }
+
+  const Hdf5File& file_;
+  std::vector<Column> columns_;
+  std::vector<Hdf5Variable> variables_;
+  std::vector<std::vector<std::string>> texts_;
+  std::vector<std::vector<double>> numbers_;
+  std::size_t cases_, of_case_ = 1, block_ = 1, begin_ = 0;
+};
+
+/// The file that is made, and what all of its parts share.
+struct Columns {
+  const Database& database;
+  const Hdf5File& file;
+  std::vector<std::int64_t> cases, states;  ///< their numbers, in ascending order
+};
+
+/// 0, 1, ...
+std::vector<std::int64_t> counted(std::size_t count) {
+  std::vector<std::int64_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+  return numbers;
+}
+
+std::size_t index_of(const std::vector<std::int64_t>& cases, std::int64_t number) {
+  return static_cast<std::size_t>(std::lower_bound(cases.begin(), cases.end(), number) - cases.begin());
+}
+
+std::vector<std::int64_t> integers(const Database& d, const std::string& sql) {
+  std::vector<std::int64_t> all;
+  for (Statement row(d, sql); row.step();) all.push_back(row.integer(0));
+  return all;
+}
+
+/// The dimensions of the cases and of their states. Each group has its own, so that it can be read by itself.
+std::vector<Hdf5Dimension> cases_and_states(const Columns& c, const Hdf5Object& in,
+                                            const std::vector<std::int64_t>& cases) {
+  return {c.file.dimension(in, "case", cases), c.file.dimension(in, "state", c.states)};
+}
+
+/// Of the study as a whole. What tells cases and states apart is named as coordinates, which xarray takes them for.
+void write_head(const Columns& c, const std::vector<std::string>& factors) {
+  const auto say = [&](const char* name, const std::string& text) { c.file.attribute(c.file.root(), name, text); };
+  std::string coordinates = "model";
+  for (const std::string& factor : factors) coordinates += " " + factor;
+  say("schema", "dea.study-columns/1");
+  for (Statement row(c.database, "SELECT value FROM study WHERE key = 'version'"); row.step();)
+    say("program", "FEBioDEA " + row.text(0));
+  std::string options;
+  for (Statement row(c.database, "SELECT text FROM options ORDER BY number"); row.step();)
+    options += (options.empty() ? "" : "\n") + row.text(0);
+  say("options", options);
+  say("coordinates", coordinates + " time solved");
+}
+
+void write_cases(const Columns& c, const Hdf5Dimension& of_case, const std::vector<std::string>& factors) {
+  std::vector<Column> columns = {{"model", Hdf5Type::Text}};
+  std::string names;
+  for (const std::string& factor : factors) {
+    const std::string name = quoted_name(factor);
+    const auto words = integers(c.database, fmt::format("SELECT count(*) FROM cases WHERE typeof({}) = 'text'", name));
+    columns.push_back({factor, words.front() > 0 ? Hdf5Type::Text : Hdf5Type::Double});
+    names += "c." + name + ", ";
+  }
+  std::vector<std::string> outcomes;
+  for (const auto o : {CaseResult::Outcome::Refused, CaseResult::Outcome::Failed, CaseResult::Outcome::Solved})
+    outcomes.emplace_back(name(o));
+  columns.push_back({"case_outcome", Hdf5Type::Word, outcomes});
+  columns.push_back({"case_message", Hdf5Type::Text});
+  columns.push_back({"codes", Hdf5Type::Text});
+  columns.push_back({"seconds"});
+  Pass pass(c.file, c.file.root(), {of_case}, columns);
+  Statement row(c.database,
+                fmt::format("SELECT c.case_id, m.path, {}c.case_outcome, c.case_message, (SELECT "
+                            "replace(group_concat(DISTINCT w.code), ',', ' ') FROM warnings w WHERE w.case_id = "
+                            "c.case_id), c.seconds FROM cases c JOIN models m USING (model_id) ORDER BY c.case_id",
+                            names));
+  while (row.step()) pass.add(index_of(c.cases, row.integer(0)), 0, row, 1);
+  pass.finish();
+}
+
+void write_states(const Columns& c, const std::vector<Hdf5Dimension>& of_state) {
+  std::vector<std::string> outcomes = {"none"};
+  for (int o = 0; o <= static_cast<int>(kLastOutcome); ++o) outcomes.emplace_back(name(static_cast<Outcome>(o)));
+  Pass pass(c.file, c.file.root(), of_state,
+            {{"time"},
+             {"outcome", Hdf5Type::Word, outcomes},
+             {"solved", Hdf5Type::Word, {"no", "yes"}},
+             {"message", Hdf5Type::Text},
+             {"iterations"},
+             {"residual_force"},
+             {"residual_moment"}});
+  Statement row(c.database,
+                fmt::format("SELECT s.case_id, s.state, s.time, s.outcome, CASE WHEN {} THEN 'yes' ELSE 'no' END, "
+                            "s.message, s.iterations, s.residual_force, s.residual_moment FROM states s ORDER BY 1, 2",
+                            solved_condition("s")));
+  while (row.step()) pass.add(index_of(c.cases, row.integer(0)), static_cast<std::size_t>(row.integer(1) - 1), row, 2);
+  pass.finish();
+}
+
+/// A table with several rows per state: a group of its name, but for that of contacts, which is the root.
+struct ItemTable {
+  const char* table;
+  const char* inside;                  ///< what its layers' inside is in; empty: nothing
+  std::vector<const char*> keys;       ///< the columns that tell items apart; the last one is the name of an item
+  std::vector<const char*> says = {};  ///< more of the item
+};
+const std::vector<ItemTable> kItemTables = {{"statistics", "inside", {"contact_id", "contact"}, {"source", "target"}},
+                                            {"parts", "inside_parts", {"contact_id", "contact", "part_id", "part"}},
+                                            {"layers", "", {"layer_id", "layer"}},
+                                            {"soft_parts", "", {"soft_part_id", "soft_part"}},
+                                            {"poses", "", {"body_id", "body"}}};
+
+/// The columns of a table that hold numbers.
+std::vector<std::string> number_names(const Database& d, const ItemTable& t, const std::string& table) {
+  std::vector<std::string> names;
+  const auto is = [](const std::string& name) { return [&name](const char* other) { return name == other; }; };
+  for (const std::string& name : column_names(d, "SELECT * FROM " + table))
+    if (name != "case_id" && name != "state" && std::none_of(t.keys.begin(), t.keys.end(), is(name)) &&
+        std::none_of(t.says.begin(), t.says.end(), is(name)))
+      names.push_back(name);
+  return names;
+}
+
+bool has_rows(const Database& d, const std::string& table) {
+  return !table.empty() &&
+         integers(d, fmt::format("SELECT count(*) FROM (SELECT 1 FROM {} LIMIT 1)", table)).front() > 0;
+}
+
+/// The items of all cases by their keys: where each stands along `dimension`, which is made with what they are.
+std::map<std::vector<std::string>, std::size_t> write_items(const Columns& c, const ItemTable& t, const Hdf5Object& in,
+                                                            Hdf5Dimension& dimension) {
+  const std::string keys = fmt::format("{}", fmt::join(t.keys, ", "));
+  std::string says;
+  for (const char* name : t.says) says += fmt::format(", group_concat(DISTINCT {})", name);
+  std::vector<const char*> names = t.keys;
+  names.insert(names.end(), t.says.begin(), t.says.end());
+  std::map<std::vector<std::string>, std::size_t> items;
+  std::vector<std::vector<std::string>> columns(names.size());
+  Statement row(c.database, fmt::format("SELECT {0}{1} FROM {2} GROUP BY {0} ORDER BY {0}", keys, says, t.table));
+  while (row.step()) {
+    std::vector<std::string> key;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      columns[i].push_back(row.text(static_cast<int>(i)));
+      if (i < t.keys.size()) key.push_back(columns[i].back());
+    }
+    items.insert({key, items.size()});
+  }
+  dimension = c.file.dimension(in, t.keys.back(), columns[t.keys.size() - 1]);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i + 1 == t.keys.size()) continue;
+    const bool id = std::string(names[i]).ends_with("_id");
+    const Hdf5Variable v =
+        c.file.variable(in, names[i], id ? Hdf5Type::Integer : Hdf5Type::Text, {dimension}, dimension.size);
+    std::vector<double> numbers;
+    for (const std::string& text : columns[i]) numbers.push_back(id ? std::stod(text) : kNaN);
+    id ? c.file.write(v, 0, dimension.size, numbers) : c.file.write(v, 0, dimension.size, columns[i]);
+  }
+  return items;
+}
+
+/// `dimensions`: the root's, of cases and states.
+void write_item_table(const Columns& c, std::vector<Hdf5Dimension> dimensions, const ItemTable& t) {
+  const Database& d = c.database;
+  const bool root = t.table == std::string("statistics");
+  if (!root && !has_rows(d, t.table)) return;
+  const Hdf5Object in = root ? c.file.root() : c.file.group(c.file.root(), t.table);
+  if (!root) dimensions = cases_and_states(c, in, c.cases);
+  Hdf5Dimension of_item;
+  const auto items = write_items(c, t, in, of_item);
+  std::vector<std::string> names = number_names(d, t, t.table);
+  std::string from = t.table;
+  if (has_rows(d, t.inside)) {
+    from += fmt::format(" LEFT JOIN {} USING (case_id, state", t.inside);
+    for (const std::string key : t.keys)
+      if (key.ends_with("_id")) from += ", " + key;
+    from += ")";
+    for (std::string& name : number_names(d, t, t.inside)) names.push_back(std::move(name));
+  }
+  std::string numbers;
+  std::vector<Column> columns;
+  for (const std::string& name : names) {
+    numbers += ", " + quoted_name(name);
+    columns.push_back({name});
+  }
+  dimensions.push_back(of_item);
+  Pass pass(c.file, in, dimensions, columns);
+  std::vector<std::string> key(t.keys.size());
+  Statement row(
+      d, fmt::format("SELECT case_id, state, {}{} FROM {} ORDER BY 1, 2", fmt::join(t.keys, ", "), numbers, from));
+  while (row.step()) {
+    for (std::size_t i = 0; i < key.size(); ++i) key[i] = row.text(static_cast<int>(i) + 2);
+    const auto state = static_cast<std::size_t>(row.integer(1) - 1);
+    pass.add(index_of(c.cases, row.integer(0)), state * of_item.size + items.at(key), row,
+             static_cast<int>(key.size()) + 2);
+  }
+  pass.finish();
+}
+
+/// A surface with pressures at its vertices, and the cases that have it; those written a block at a time.
+struct Sheet {
+  std::string contact, source, surface, vertices, triangles;  ///< the last two packed, as in the study's file
+  std::vector<std::int64_t> cases;                            ///< their numbers, in ascending order
+  Hdf5Variable pressure;
+  std::size_t of_case = 0, block = 1, begin = 0;
+  std::vector<float> values;
+};
+
+void begin_sheet(const Columns& c, Sheet& s, const Hdf5Object& in) {
+  const std::vector<double> vertices = unpacked<double>(c.database, s.vertices);
+  const std::vector<std::int32_t> triangles = unpacked<std::int32_t>(c.database, s.triangles);
+  c.file.attribute(in, "contact", s.contact);
+  c.file.attribute(in, "source", s.source);
+  c.file.attribute(in, "surface", s.surface);
+  std::vector<Hdf5Dimension> dimensions = cases_and_states(c, in, s.cases);
+  const Hdf5Dimension vertex = c.file.dimension(in, "vertex", counted(vertices.size() / 3)),
+                      triangle = c.file.dimension(in, "triangle", counted(triangles.size() / 3)),
+                      axis = c.file.dimension(in, "axis", std::vector<std::string>{"x", "y", "z"}),
+                      corner = c.file.dimension(in, "corner", counted(3));
+  dimensions.push_back(vertex);
+  c.file.write(c.file.variable(in, "vertices", Hdf5Type::Double, {vertex, axis}, vertex.size), 0, vertex.size,
+               vertices);
+  c.file.write(c.file.variable(in, "triangles", Hdf5Type::Integer, {triangle, corner}, triangle.size), 0, triangle.size,
+               std::vector<double>(triangles.begin(), triangles.end()));
+  s.of_case = c.states.size() * vertex.size;
+  s.block = std::clamp<std::size_t>(kBlockValues / std::max<std::size_t>(1, s.of_case), 1, s.cases.size());
+  s.pressure = c.file.variable(in, "pressure", Hdf5Type::Float, dimensions, s.block);
+}
+
+/// Writes the block that ends before case `end` of the sheet, and begins the next.
+void write_block(const Columns& c, Sheet& s) {
+  const std::size_t count = std::min(s.block, s.cases.size() - s.begin);
+  s.values.resize(count * s.of_case, static_cast<float>(kNaN));
+  c.file.write(s.pressure, s.begin, count, s.values);
+  s.begin += count;
+  s.values.clear();
+}
+
+void write_fields(const Columns& c) {
+  if (!has_rows(c.database, "fields")) return;
+  std::vector<Sheet> sheets;
+  std::map<std::tuple<std::int64_t, std::string, std::string>, std::size_t>
+      sheet_of;  // of a model's contact and source
+  std::map<std::vector<std::string>, std::size_t> same;
+  for (Statement row(c.database,
+                     "SELECT model_id, contact, source, surface, vertices, triangles FROM surfaces ORDER BY 1, 2, 3");
+       row.step();) {
+    const Sheet s{row.text(1), row.text(2), row.text(3), row.bytes(4), row.bytes(5), {}, {}, 0, 1, 0, {}};
+    const auto [found, is_new] =
+        same.insert({{s.contact, s.source, s.surface, s.vertices, s.triangles}, sheets.size()});
+    if (is_new) sheets.push_back(s);
+    sheet_of[{row.integer(0), s.contact, s.source}] = found->second;
+  }
+  const auto each_field = [&](const char* more, const auto& take) {
+    Statement row(c.database,
+                  fmt::format("SELECT f.case_id, f.state, c.model_id, t.contact, t.source{} FROM fields f JOIN cases c "
+                              "USING (case_id) JOIN statistics t USING (case_id, state, contact_id) ORDER BY 1, 2",
+                              more));
+    while (row.step()) take(sheets[sheet_of.at({row.integer(2), row.text(3), row.text(4)})], row);
+  };
+  each_field("", [](Sheet& s, const Statement& row) {
+    if (s.cases.empty() || s.cases.back() != row.integer(0)) s.cases.push_back(row.integer(0));
+  });
+  const Hdf5Object fields = c.file.group(c.file.root(), "fields");
+  for (std::size_t i = 0; i < sheets.size(); ++i)
+    if (!sheets[i].cases.empty()) begin_sheet(c, sheets[i], c.file.group(fields, fmt::format("surface_{}", i + 1)));
+  each_field(", f.pressure", [&](Sheet& s, const Statement& row) {
+    const std::vector<float> pressure = unpacked<float>(c.database, row.bytes(5));
+    const std::size_t index = index_of(s.cases, row.integer(0)), vertices = s.of_case / c.states.size();
+    if (pressure.size() != vertices)
+      throw InputError(fmt::format("{}: found {} pressures of a surface of {} vertices (case {}), expected as many",
+                                   c.database.path(), pressure.size(), vertices, row.integer(0)));
+    while (index >= s.begin + s.block) write_block(c, s);
+    const std::size_t at = (index - s.begin) * s.of_case + static_cast<std::size_t>(row.integer(1) - 1) * vertices;
+    if (s.values.size() < at + vertices) s.values.resize(at + vertices, static_cast<float>(kNaN));
+    std::copy(pressure.begin(), pressure.end(), s.values.begin() + static_cast<std::ptrdiff_t>(at));
+  });
+  for (Sheet& s : sheets)
+    while (s.begin < s.cases.size()) write_block(c, s);
+}
+
+void write_columns(const Database& d, const Hdf5File& file) {
+  d.execute("BEGIN");  // one state of it, whoever adds to it
+  std::vector<std::string> factors;
+  for (Statement row(d, "SELECT name FROM factors ORDER BY number"); row.step();) factors.push_back(row.text(0));
+  const auto last = static_cast<std::size_t>(integers(d, "SELECT coalesce(max(state), 0) FROM states").front());
+  Columns c{d, file, integers(d, "SELECT case_id FROM cases ORDER BY 1"), counted(last + 1)};
+  c.states.erase(c.states.begin());
+  write_head(c, factors);
+  const std::vector<Hdf5Dimension> dimensions = cases_and_states(c, file.root(), c.cases);
+  write_cases(c, dimensions.front(), factors);
+  write_states(c, dimensions);
+  for (const ItemTable& t : kItemTables) write_item_table(c, dimensions, t);
+  write_fields(c);
+}
+
+}  // namespace
+
+void check_columns_possible() {}
+
+void write_study_columns(const std::string& study, const std::string& path) {
+  write_named_file(path, [&](const std::string& name) {
+    reading(study, [&](const Database& d) {
+      Hdf5File file(name, path);
+      write_columns(d, file);
+      file.close();
+      return 0;
+    });
+  });
+}
+
+}  // namespace dea
