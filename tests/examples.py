@@ -67,6 +67,7 @@ FILES = {
     "own_dea.xplt": "dea run own.feb --times-from own.xplt",
     "own_series.xplt": "dea run own.feb -o own_series.xplt --times-from own.xplt --interface-stiffness 92",
     "hip_walking_dea.xplt": "dea run hip_walking.feb",
+    "hip_walking_check.xplt": "dea info hip_walking.feb -o hip_walking_check.xplt",
     "knee_dea.xplt": "dea run knee.feb --states last",
     "hip_inside.xplt": "dea run hip_walking.feb --inside -o hip_inside.xplt",
     # FEBio's with `stress` is not in the sources

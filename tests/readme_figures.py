@@ -1,4 +1,4 @@
-"""Figures that README.md and the samples' pages give of what dea prints: python3 readme_figures.py DEA SOURCE.
+"""Figures that README.md, docs/first_joint.md and the samples' pages give of what dea prints: python3 readme_figures.py DEA SOURCE.
 
 Each row names a page, the sentence or the cell with the figures, the run and where in its JSON they are. A figure must be
 what the run gives, rounded as it is printed: one that no longer is, is to be measured again."""
@@ -86,6 +86,32 @@ def hip_table():
            [v for state in columns for v in state["bodies"]["femur"]["translation"]])
 
 
+def first_joint():
+    """docs/first_joint.md: every line that it shows stands in the sample's file or is printed; how it differs with FEBio's give in dea."""
+    page = (source / "docs/first_joint.md").read_text()
+    model, febio = samples / "hip/hip_walking.feb", samples / "hip/hip_walking_febio.xplt"
+    with tempfile.TemporaryDirectory() as folder:
+        def answer(*words):
+            return subprocess.run([dea, *words], cwd=folder, capture_output=True, text=True, check=True).stdout
+
+        stiffness = re.search(r"--interface-stiffness (\S+) puts", page)[1]
+        printed = [answer("info", model), answer("run", model, "-o", "hip_walking_dea.xplt"), answer("compare", "hip_walking_dea.xplt", febio)]
+        answer("run", model, "--interface-stiffness", stiffness, "-o", "give.xplt")
+        differs = {name: abs(float(percent)) for name, percent in
+                   re.findall(r"^(p99|mean|area) .* (\S+)%$", answer("compare", "give.xplt", febio), re.M)}
+    lines = {"xml": model.read_text(), "": "\n".join(printed)}
+    known = {kind: {line.strip() for line in text.splitlines()} for kind, text in lines.items()}
+    balanced = {line.rpartition(" ")[0] for line in known[""] if " Balanced " in line}  # another compiler leaves another residual
+    shown = [(kind, line.strip()) for kind, block in re.findall(r"^```(\w*)\n(.*?)^```$", page, re.M | re.S) for line in block.splitlines()]
+    faults.extend(f"docs/first_joint.md: shows what is not {'in ' + model.name if kind else 'printed'}: {line}" for kind, line in shown
+                  if line not in known[kind] and line.rpartition(" ")[0] not in balanced)
+    if len(shown) < 60:
+        faults.append(f"docs/first_joint.md: found {len(shown)} lines that it shows, expected more")
+    yield ("docs/first_joint.md", rf"p99 then differs by {NUMBER} %, the mean by less, the area by {NUMBER} %", [differs["p99"], differs["area"]])
+    if differs["mean"] > differs["p99"]:
+        faults.append("docs/first_joint.md: the mean differs by more than p99")
+
+
 def wrong(printed, value):
     """Not the value, rounded to the digits that are printed."""
     return abs(float(printed) - value) > 0.51 * 10.0 ** -len(printed.partition(".")[2])
@@ -115,8 +141,8 @@ def worked_example():
 
 faults, figures = [], 0
 readme = (source / "README.md").read_text()
-for page, pattern, values in [*worked_example(), *sentences(), *hip_table()]:
-    path = samples / page / "README.md" if page else source / "README.md"
+for page, pattern, values in [*worked_example(), *first_joint(), *sentences(), *hip_table()]:
+    path = source / page if page.endswith(".md") else samples / page / "README.md" if page else source / "README.md"
     found = re.search(pattern, re.sub(r"\s+", " ", path.read_text()))
     if not found:
         faults.append(f"{path.relative_to(source)}: nothing there like {pattern}")
