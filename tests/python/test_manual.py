@@ -1,9 +1,11 @@
-"""What the pages say of the module runs, taken from the pages: python/README.md, docs/python.md."""
+"""What the pages say of the module runs, taken from the pages: python/README.md, docs/python.md, docs/coming_from.md."""
 import csv
 import importlib.util
+import json
 import os
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 
@@ -102,6 +104,17 @@ def test_a_study(in_hip):
     out = run(code, in_hip).splitlines()
     assert out[:6] == [f"{k} of 6" for k in range(1, 7)] and len(out) == 13
     assert febiodea.read_study(in_hip / "plan.db").counts["solved"] == 6
+
+
+def test_files_of_dea_without_the_module(in_hip, dea):
+    pytest.importorskip("pandas")
+    (code,) = blocks("docs/coming_from.md")
+    commands = [line.strip() for line in (ROOT / "docs/coming_from.md").read_text().splitlines() if line.startswith("    dea ")]
+    for command in commands:
+        dea(*shlex.split(command)[1:], cwd=in_hip)
+    out = run(code, in_hip)
+    p99 = json.loads((in_hip / "run.json").read_text())["states"][-1]["contacts"][0]["headline"]["p99"]
+    assert out.startswith(f"{p99}\n") and f"{p99:.6f}" in out.partition("\n")[2]
 
 
 def test_febios_result_beside(in_hip, hip_result):
