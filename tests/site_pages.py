@@ -1,6 +1,6 @@
 """The pages as a site: python3 site_pages.py SOURCE. The order in docs/site/mkdocs.yml names every page once and nothing else; every
-page that a page names or links to is there, and every picture; the Python reference names every part of the module (without
-building it). The site itself is made by the target `site`, which needs more tools."""
+page that a page names or links to is there, and every picture; each page of docs begins with what it is for and a command; the Python
+reference names every part of the module (without building it). The site itself is made by the target `site`, which needs more tools."""
 import os
 import pathlib
 import re
@@ -39,6 +39,16 @@ for page in sorted(known):
             headings = re.findall(r"^#+ (.+)$", target.read_text(), re.M)
             if heading not in {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", h).strip().lower()) for h in headings}:
                 faults.append(f"{page} links to {link}, which is no heading there")
+# A page of docs begins with what it is for, and the shortest command that is of use.
+BEGINNING = re.compile(r"# .+\n\n(?![#>|*!\s-]|```|\d+\.)(?:\S.*\n)+\n(?:    (\S+) |```(python)\n)")
+FIRST_WORDS = ("dea", "./dea", "cmake", "python")
+manual = sorted(page for page in known if re.fullmatch(r"docs/[^/]+\.md", page))
+assert len(manual) > 20, f"found {len(manual)} pages in docs"
+for page in manual:
+    begins = BEGINNING.match((source / page).read_text())
+    if not begins or (begins[1] or begins[2]) not in FIRST_WORDS:
+        faults.append(f"{page} does not begin with a title, one paragraph on what it is for, and a command")
+
 assert names > 100 and links > 20, f"found {names} names and {links} links in all pages: they are not read as they should be"
 
 stages = re.search(r"__all__ = \[(.*?)\]", (source / "python/febiodea/__init__.py").read_text(), re.S)[1]
