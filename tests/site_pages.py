@@ -49,6 +49,13 @@ for page in manual:
     if not begins or (begins[1] or begins[2]) not in FIRST_WORDS:
         faults.append(f"{page} does not begin with a title, one paragraph on what it is for, and a command")
 
+# Doxygen takes <word> for a tag, and the site is not made.
+for header in sorted([*source.glob("include/**/*.h"), *source.glob("src/**/*.h"), *source.glob("io/**/*.h")]):
+    for number, line in enumerate(header.read_text().splitlines(), 1):
+        said = re.search(r"//[/!]<? (.*)|^// (.*)", line)
+        if said and re.search(r"<[a-z_]+>", re.sub(r"`[^`]*`|\"[^\"]*\"", "", said[1] or said[2] or "")):
+            faults.append(f"{header.relative_to(source)}:{number}: write a name in angle brackets as code, in backquotes")
+
 assert names > 100 and links > 20, f"found {names} names and {links} links in all pages: they are not read as they should be"
 
 stages = re.search(r"__all__ = \[(.*?)\]", (source / "python/febiodea/__init__.py").read_text(), re.S)[1]

@@ -11,6 +11,8 @@ import subprocess
 import sys
 
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gallery"))
+import make_gallery
 import pages
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -39,6 +41,22 @@ def gather(work):
         shutil.copy(SOURCE / figure, work / "pages" / figure)
     shutil.copy(HERE / "site.css", work / "pages")
     shutil.copy(HERE / "mkdocs.yml", work)
+
+
+def gallery(build, work):
+    """The gallery's page with pictures, lines and downloads: what its examples make here."""
+    folder = work / "pages/docs/gallery"
+    page = SOURCE / "build/portable/web/dea.html"
+    faults = make_gallery.make(folder, build / "app/dea", build / "python", page if page.exists() else None)
+    if faults:
+        fail("\n".join(f"docs/gallery, {name}: {words}" for name, words in faults))
+    text = []
+    for e in make_gallery.examples():
+        picture = next((name for name in (f"{e.name}.svg", f"{e.name}.png") if (folder / name).exists()), None)
+        text += [f"## {e.title}", e.says, *([f"![{e.title}]({picture})"] if picture else []), f"```{e.language}\n{e.code}```",
+                 f"[{e.path.name} and its files]({e.name}.zip)"]
+    path = folder / "README.md"
+    path.write_text(path.read_text() + "\n" + "\n\n".join(text) + "\n")
 
 
 def cpp_reference(build, work):
@@ -79,6 +97,7 @@ work, site = build / "site_source", build / "site"
 for folder in (work, site):
     shutil.rmtree(folder, ignore_errors=True)
 gather(work)
+gallery(build, work)
 (work / "pages/reference").mkdir()
 cpp_reference(build, work)
 python_reference(build, work)

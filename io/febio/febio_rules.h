@@ -51,8 +51,9 @@ struct ContactParameter {
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
 
-/// What stands in <primary_thickness> or <secondary_thickness> of a contact of type dea. `type`: the attribute. Without
-/// one it is a number where it can be read as one, or seems to be meant as one (1,8), and else the name of a map.
+/// What stands in `<primary_thickness>` or `<secondary_thickness>` of a contact of type dea. `type`: the attribute.
+/// Without one it is a number where it can be read as one, or seems to be meant as one (1,8), and else the name of a
+/// map.
 enum class ThicknessText { Nothing, Number, Map, Refused };
 ThicknessText thickness_text(const std::string& type, std::string_view text);
 

@@ -46,7 +46,7 @@ std::vector<std::string> rule_codes();
 
 Severity severity(const Finding& finding);
 
-/// The words of a rule without what only the program reads: {name:.3g} as <name>, {n?is|are} as "are".
+/// The words of a rule without what only the program reads: {name:.3g} as `<name>`, {n?is|are} as "are".
 std::string template_text(const Words& words);
 
 /// "contact "hip": at time 1 ...", with the settings as `wording` has them.
