@@ -112,6 +112,12 @@ struct FindingsListArguments {
 CLI::App* add_findings(CLI::App& app, FindingsListArguments& arguments);
 int list_findings(const FindingsListArguments& arguments);
 
+struct SchemaArguments {
+  std::string name;
+};
+CLI::App* add_schema(CLI::App& app, SchemaArguments& arguments);
+int schema(const SchemaArguments& arguments);
+
 struct CiteArguments : ModelArguments {
   std::string compared;
   bool bibtex = false;

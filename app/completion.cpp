@@ -9,6 +9,7 @@
 #include "io/files/output.h"
 #include "src/base/error.h"
 #include "views/data/json.h"
+#include "views/data/result_schema.h"
 
 namespace dea {
 
@@ -48,6 +49,7 @@ std::vector<std::string> argument_choices(const CommandWords& program, const Com
   for (const ArgumentWords& a : command.arguments) {
     if (a.name == "COMMAND") return command_names(program);
     if (a.name == "SHELL") return completion_shells();
+    if (a.name == "SCHEMA") return schema_names();
   }
   return {};
 }

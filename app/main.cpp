@@ -63,6 +63,7 @@ int parse_and_run(const std::vector<std::string>& words) {
   add(add_plugin_build, plugin_build);
   add(add_cite, cite);
   add(add_findings, list_findings);
+  add(add_schema, schema);
   add(add_man, man);
   add(add_completion, completion);
 

@@ -17,14 +17,6 @@ namespace dea {
 
 namespace {
 
-/// "[SURFACE=]LENGTH"
-std::string type_of(const SettingOption& option) {
-  const std::string value = option.help_value != nullptr ? option.help_value : option.value;
-  if (option.key == nullptr) return value;
-  const std::string key = key_form(option) + "=";
-  return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
-}
-
 /// A setting's help, with the settings that it names as the command line has them.
 std::string help_of(const SettingOption& option) {
   std::string text;
@@ -50,7 +42,7 @@ void add_value(CLI::App& command, std::vector<std::string>& values, const Settin
   const bool several = option.key != nullptr || option.repeatable;
   // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
   command.add_option(fmt::format("--{}", option.name), values, help_of(option))
-      ->type_name(type_of(option))
+      ->type_name(value_form(option))
       ->allow_extra_args(false)
       ->group(option.group)
       ->expected(1)

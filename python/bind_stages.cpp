@@ -36,16 +36,10 @@ namespace {
 
 using namespace py::literals;
 
-std::string keyword_of(const SettingOption& option) {
-  std::string keyword = option.name;
-  std::replace(keyword.begin(), keyword.end(), '-', '_');
-  return keyword;
-}
-
 const SettingOption& option_of(const std::string& keyword) {
   std::vector<std::string> keywords;
   for (const SettingOption& option : setting_options()) {
-    keywords.push_back(keyword_of(option));
+    keywords.push_back(setting_keyword(option.name));
     if (keywords.back() == keyword) return option;
   }
   throw UsageError(Fault{
@@ -58,7 +52,7 @@ const SettingOption& option_of(const std::string& keyword) {
 py::list options_of_python() {
   py::list all;
   for (const SettingOption& o : setting_options()) {
-    all.append(py::dict("keyword"_a = keyword_of(o), "key"_a = o.key,
+    all.append(py::dict("keyword"_a = setting_keyword(o.name), "key"_a = o.key,
                         "key_form"_a = o.key == nullptr ? std::string() : key_form(o), "value"_a = o.value,
                         "repeatable"_a = o.repeatable, "places"_a = o.places, "group"_a = o.group, "help"_a = o.help));
   }

@@ -22,7 +22,7 @@ dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).res
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "samples/made_knee"))
 import make_knee  # noqa: E402
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "findings", "man", "completion")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "findings", "schema", "man", "completion")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}

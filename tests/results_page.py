@@ -1,7 +1,8 @@
 """docs/results.md and what the program writes: python3 results_page.py DEA SOURCE.
 
 Runs the program on samples and fails on a key of JSON or a column of CSV that the page lacks, on one that the page names
-and no run writes, and on a null or an empty cell where the page says there is none.
+and no run writes, and on a null or an empty cell where the page says there is none. What is JSON must be as the schemas say that the program makes of
+the page (schemas.py).
 
 A table of the page belongs to the line "In `FILE` at `PLACE`, `PLACE`; in `FILE`" above it. Its columns JSON and CSV hold
 the names: `_y` stands for the name before it with that ending, `{a,b}_c` for `a_c` and `b_c`. The keys of `settings` are the
@@ -16,6 +17,7 @@ import sys
 import tempfile
 
 import made_models
+import schemas
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
@@ -24,6 +26,27 @@ PAGE = "docs/results.md"
 NEVER = "–"  # in the last column of a row
 # Settings that say which files a run writes, and with which states
 OUTPUTS = {"output", "json", "csv", "compartments-csv", "facets-csv", "report", "no-xplt", "vtu", "states"}
+
+# Each setting in some JSON; where a model is then refused, settings are told all the same. And a run without a solution.
+TABLES = {"loads.csv": "time,fx,fy,fz\n0,0,0,-10\n1,0,0,-20\n", "motion.csv": "time,tx,ty,tz,rx,ry,rz\n0,0,0,0,0,0,0\n1,0,0,-0.1,0,0,0\n",
+          "thickness.csv": "node,thickness\n1,2\n",
+          "matrices.csv": ",".join(["time"] + [f"T{i}{j}" for i in range(1, 5) for j in range(1, 5)]) + "\n"
+                          + "".join(f"{time},1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1\n" for time in (0, 1))}
+SETTINGS = (
+    ("many.info.json", "info ligament.feb --contact joint --source tibia --layer-terms 1 --interface-stiffness 94 --facets flat --refine 2 "
+     "--attach tibia_articular=tibia --keep-facets tibia_articular --thickness tibia_articular=2 --thickness-scale 0.8 --E 8 "
+     "--nu tibia_articular=0.4 --frame f=1,0,0/0,1,0/0,0,1 --rotate femur=0,0,1,5 --rotate-about femur=com --move femur=frame:f,0,0,0.1 "
+     "--free femur=x,y,z --force femur=frame:f,1,2,3 --load-at femur=sphere-center --skip-steps --units mm-N-s --set tethers.stiffness=30", (0,)),
+    ("bone.info.json", "info ligament.feb --law linear --springs-at bone --load-at femur=0,0,20 --force femur=1,2,3 --instant --fibre-strain 0.03 "
+     "--bone tibia_articular=tibia_articular --rotate femur=1,0,0,1 --rotate-about femur=1,2,3 --thickness-from femur_articular=thickness.csv "
+     "--leave-out cartilage", (3,)),
+    ("loads.info.json", "info ligament.feb --loads loads.csv --load-body femur --load-frame femur --load-units N-mm --body-weight 800 "
+     "--load-columns fx,fy,fz --rigid cartilage", (3,)),
+    ("motion.info.json", "info ligament.feb --motion motion.csv --motion-body femur --motion-units rad-mm --motion-rotation vector "
+     "--motion-columns tx,ty,tz,rx,ry,rz", (0,)),
+    ("matrices.info.json", "info ligament.feb --motion matrices.csv --motion-body femur --motion-columns T --motion-start 0 --motion-units mm", (0,)),
+    ("part.info.json", "info disc.feb --part disc", (0,)),
+    ("apart.run.json", "run hip_walking.feb -q --no-xplt --no-squash --states last --force femur=0,0,-500", (1,)))
 
 # What joins and loads bodies besides what samples/ligament has: a cable, a joint, a force on nodes. And something that is
 # passed over, and something that is left unsaid: which way the cable's force pulls.
@@ -130,6 +153,8 @@ def make_models(folder):
         (folder / f"{name}.feb").write_text((samples / f"{model}.feb").read_text())
     (folder / "shared.feb").write_text(made_models.with_one_trochlea((samples / "knee/knee.feb").read_text()))
     (folder / "disc.feb").write_text(made_models.disc())
+    for name, text in TABLES.items():
+        (folder / name).write_text(text)
     (folder / "febio.xplt").write_bytes((samples / "hip/hip_walking_febio.xplt").read_bytes())
     text = (samples / "ligament/ligament.feb").read_text()
     # on a node of the femur, after the mesh's last node
@@ -151,6 +176,8 @@ def run_all(folder):
     run(folder, "run disc.feb -q --no-xplt --json disc.run.json")
     run(folder, "info disc.feb --json disc.info.json")
     run(folder, "info refused.feb --json refused.info.json", (3,))
+    for file, line, exits in SETTINGS:
+        run(folder, f"{line} --json {file}", exits)
     run(folder, "converge ligament.feb -q --target 0.05 --law linear --json a.converge.json")
     run(folder, "compare hip_walking.xplt febio.xplt -q --profile --dose-above 1 --up 0,0,1 --anterior 0,1,0 "
                 "--regions anterior-superior-posterior --json hip.compare.json --csv hip.compare.csv")
@@ -209,6 +236,7 @@ with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
     make_models(folder)
     files = run_all(folder)
+    faults += schemas.faults(dea, files)
     counts = [f"{file} {compare(said.get(file, {}), file, outputs)}" for file, outputs in sorted(files.items())]
 faults += [f"{PAGE} has {file}, and no run writes it" for file in said
            if file not in files and (has_build or file != "build.json")]

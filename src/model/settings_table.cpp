@@ -544,6 +544,18 @@ std::string key_form(const SettingOption& option) {
   return std::string(option.name) == "set" ? "NAME.PARAMETER" : "NAME";
 }
 
+std::string setting_keyword(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::string value_form(const SettingOption& option) {
+  const std::string value = option.help_value != nullptr ? option.help_value : option.value;
+  if (option.key == nullptr) return value;
+  const std::string key = key_form(option) + "=";
+  return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
+}
+
 std::string placement_text(const Placement& p) {
   return fmt::format("{}={}{},{},{}{}", p.body, p.frame.empty() ? "" : fmt::format("frame:{},", p.frame), p.vector.x(),
                      p.vector.y(), p.vector.z(),

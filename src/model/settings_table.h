@@ -45,6 +45,10 @@ Aliases setting_aliases();
 
 /// What stands before the value: "SURFACE", "BODY", "NAME" or "NAME.PARAMETER". For options with a key.
 std::string key_form(const SettingOption& option);
+/// Its name in JSON and Python: "springs_at" for "springs-at".
+std::string setting_keyword(std::string name);
+/// What is typed behind its name: "[SURFACE=]LENGTH"
+std::string value_form(const SettingOption& option);
 
 /// As it is typed: "pelvis=0,1,0,10", "pelvis=frame:pelvis,0,0,1,10".
 std::string placement_text(const Placement& placement);

@@ -367,11 +367,8 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
 
 Json settings_json(const Settings& settings) {
   Json j;
-  for (const SettingOption& option : setting_options()) {
-    std::string key = option.name;
-    std::replace(key.begin(), key.end(), '-', '_');
-    j[key] = content_json(option.content(settings));
-  }
+  for (const SettingOption& option : setting_options())
+    j[setting_keyword(option.name)] = content_json(option.content(settings));
   j["placements"] = list_json(settings.placements, [](const Placement& p) {  // as they act one after the other
     return fmt::format("{} {}", p.kind == Placement::Kind::Rotate ? "rotate" : "move", placement_text(p));
   });

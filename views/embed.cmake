@@ -1,6 +1,7 @@
-# Writes OUT, which is page.h's source: the files of FOLDER as arrays. FILES: "name=file" in blanks.
+# Writes OUT, the source of HEADER: the files of FOLDER as arrays, and functions in NAMESPACE that return them. FILES:
+# "name=file" in blanks.
 cmake_policy(SET CMP0007 NEW)
-set(text "#include \"views/page/page.h\"\n\nnamespace dea::page {\n\n")
+set(text "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\n")
 separate_arguments(FILES)
 foreach(entry ${FILES})
   string(REGEX MATCH "^([^=]+)=(.+)$" entry "${entry}")
@@ -10,4 +11,4 @@ foreach(entry ${FILES})
   string(APPEND text "static const unsigned char ${name}_bytes[] = {${bytes}};\n"
     "std::string_view ${name}() { return {reinterpret_cast<const char*>(${name}_bytes), sizeof(${name}_bytes)}; }\n\n")
 endforeach()
-file(WRITE "${OUT}" "${text}}  // namespace dea::page\n")
+file(WRITE "${OUT}" "${text}}  // namespace ${NAMESPACE}\n")

@@ -1,0 +1,48 @@
+// `dea schema`: JSON Schemas of what dea writes as JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/commands.h"
+#include "io/files/output.h"
+#include "src/base/error.h"
+#include "src/base/parse.h"
+#include "views/data/result_schema.h"
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kSchemaFooter = R"(
+Prints a JSON Schema (draft 2020-12) of what a command writes with --json: every key, its type, unit and meaning, and when it is
+null. `settings` is that of the settings, with their defaults and how each is given. Without a name, lists what there is.
+
+Examples:
+  dea schema                      the names
+  dea schema run > run.schema.json
+  dea schema settings)";
+
+}  // namespace
+
+CLI::App* add_schema(CLI::App& app, SchemaArguments& a) {
+  CLI::App* c = app.add_subcommand("schema", "Print a JSON Schema of results or settings");
+  c->footer(kSchemaFooter);
+  c->add_option("SCHEMA", a.name, "What a command writes (run, info, ...), or settings");
+  return c;
+}
+
+int schema(const SchemaArguments& a) {
+  const std::vector<std::string> names = schema_names();
+  if (a.name.empty()) {
+    for (const std::string& name : names)
+      print(fmt::format("{:<10}{}\n", name, result_schema(name)["title"].get<std::string>()));
+    return kSolved;
+  }
+  if (std::find(names.begin(), names.end(), a.name) == names.end())
+    throw UsageError(
+        fmt::format("schema: {}", bad_value(a.name, fmt::format("{}", fmt::join(names, ", ")), names).what()));
+  print(json_text(result_schema(a.name)));
+  return kSolved;
+}
+
+}  // namespace dea
