@@ -27,6 +27,7 @@
 #include "src/rules/idle_loads.h"
 #include "src/rules/rules.h"
 #include "src/run/check.h"
+#include "views/data/result_schema.h"
 #include "views/data/run_json.h"
 #include "views/text/info_text.h"
 
@@ -324,6 +325,7 @@ void bind_stages(py::module_& m) {
       .def("as_dict", [](const SaidSettings& s) { return plain(settings_json(s.settings)); })
       .def("said", &said_again);
   m.def("setting_options", &options_of_python);
+  m.def("schema", [](const std::string& name) { return plain(result_schema(name)); });
   m.def("file_settings", &file_settings);
   m.def("laid_over", &laid_over);
   m.def("read_feb", &read_model);

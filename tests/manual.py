@@ -59,7 +59,7 @@ page = {command: out(dea, "man", *([command] if command else [])) for command in
 for command, text in help_text.items():
     name = f"dea man {command}"
     options = options_of(text)
-    check(len(options) >= (2 if command in ("", "man") else 3) or command in ("completion", "findings"), f"{name}: found the options {options}")
+    check(len(options) >= (2 if command in ("", "man") else 3) or command in ("completion", "findings", "schema"), f"{name}: found the options {options}")
     check(options_of_page(page[command]) == set(options), f"{name}: found other options than --help has: "
           f"{sorted(options_of_page(page[command]) ^ set(options))}")
     examples = text.partition("\nExamples:\n")[2].strip()
@@ -105,6 +105,7 @@ def bash(*words):
 
 check(bash("") >= set(commands), "bash: commands are missing")
 check(bash("plu") == {"plugin-build"}, "bash: dea plu")
+check({"run", "settings"} <= bash("schema", ""), "bash: dea schema")
 check(bash("run", "--la") == {"--law", "--layer-terms"}, "bash: dea run --la")
 check(bash("run", "--law", "") == {"linear", "logarithmic", "neo-Hookean", "layer"}, "bash: dea run --law")
 check(bash("run", "--law", "=", "li") == {"linear"} == bash("run", "--law", "li"), "bash: dea run --law=li")

@@ -196,6 +196,9 @@ def run_all(folder):
         (folder / "ligaments.csv").write_text("name,body_a,x_a,y_a,z_a,body_b,x_b,y_b,z_b,stiffness,slack_length\nteres,femur,0,0,18,pelvis,0,0,25,100,6\n")
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,500 -q "
                     "--ligaments ligaments.csv -o a.feb --json joined.build.json")
+        (folder / "few.csv").write_text("tx,ty,tz\n0,0,0.02\n")  # too little to touch: a warning
+        run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --motion femur=few.csv -q "
+                    "-o a.feb --json moved.build.json")
         (folder / "landmarks.csv").write_text(stl_shapes.LANDMARKS)
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,500 -q "
                     "--landmarks landmarks.csv -o a.feb --json framed.build.json")

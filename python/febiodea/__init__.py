@@ -35,7 +35,8 @@ __all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture"
            "pattern_difference", "read_study", "settings_help", "Settings", "Model", "Recognition", "Result", "State",
            "Part", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
            "PressedContact", "Study", "StudyResults", "StudyState", "StudySurface", "Factor", "PlotFile", "PlotState",
-           "PlotSurface", "PlotField", "Progress", "Finding", "Error", "InputError", "UsageError", "WriteError"]
+           "PlotSurface", "PlotField", "Progress", "Finding", "Error", "InputError", "UsageError", "WriteError",
+           "schema"]
 
 
 @_atexit.register
@@ -49,6 +50,11 @@ def _end():
 def read_feb(path):
     """Reads a FEBio model (.feb, versions 1.2 to 4.0) with all that it includes. Raises InputError."""
     return _febiodea.read_feb(_os.fsencode(path))
+
+
+def schema(name):
+    """The JSON Schema that `dea schema NAME` prints, as a dictionary: "run" is that of Result.to_dict(). Raises UsageError."""
+    return _febiodea.schema(name)
 
 
 def recognise(model, settings=None, **keywords):

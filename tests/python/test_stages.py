@@ -46,6 +46,13 @@ def test_a_recognition_prints_as_dea_info(samples, dea, tmp_path):
     assert febiodea.recognise(path).info() == json.loads((tmp_path / "info.json").read_text())
 
 
+def test_a_schema_is_that_of_the_program(dea, tmp_path):
+    for name in ("run", "settings"):
+        assert febiodea.schema(name) == json.loads(dea("schema", name, cwd=tmp_path))
+    with pytest.raises(febiodea.UsageError):
+        febiodea.schema("runs")
+
+
 def test_a_setting_of_the_table_is_a_keyword():
     shown = febiodea.Settings().as_dict()
     help_text = febiodea.settings_help()

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "io/settings/settings_xml.h"
-#include "src/base/names.h"
+#include "src/base/error.h"
 #include "src/base/parse.h"
 #include "src/model/settings_table.h"
 #include "views/data/results_page.h"
@@ -248,18 +248,19 @@ Json setting_schema(const SettingOption& option, const Json& without) {
   return j;
 }
 
-/// Adds to `settings`, an object of those keys that the page names, those of the table of settings.
-void add_settings(Json& settings) {
+/// `of_page`: an object of those keys of `settings` that the page names.
+Json settings_schema(const Json& of_page) {
+  Json j = {{"description",
+             "What was given on the command line or in the settings file; null, an empty list or object: it was not. "
+             "`commandLine` and `settingsFile` are how each is given; an entry \"\" holds for all surfaces."}};
+  j.update(of_page);
   const Json without = settings_json(Settings{});
   for (const SettingOption& option : setting_options()) {
     const std::string key = setting_keyword(option.name);
-    settings["properties"][key] = setting_schema(option, without[key]);
-    settings["required"].push_back(key);
+    j["properties"][key] = setting_schema(option, without[key]);
+    j["required"].push_back(key);
   }
-  settings["description"] =
-      "What was given on the command line or in the settings file; null, an empty list or object: it was not. "
-      "`commandLine` "
-      "and `settingsFile` are how each is given; an entry \"\" holds for all surfaces.";
+  return j;
 }
 
 }  // namespace
@@ -272,6 +273,10 @@ std::vector<std::string> schema_names() {
 }
 
 Json result_schema(const std::string& name) {
+  const std::vector<std::string> names = schema_names();
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw UsageError(
+        fmt::format("schema: {}", bad_value(name, fmt::format("{}", fmt::join(names, ", ")), names).what()));
   Json j = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}};
   if (name == "settings") {
     j["title"] = "settings of dea.run";
@@ -287,7 +292,7 @@ Json result_schema(const std::string& name) {
   schema["enum"] = Json::array({j["title"]});
   j["description"] = fmt::format("What `dea {} --json` writes. Later versions may add keys.", name);
   if (Json& properties = object["properties"]; properties.contains("settings")) {
-    add_settings(properties["settings"]);
+    properties["settings"] = settings_schema(properties["settings"]);
     if (name == "converge") {  // it is what varies
       properties["settings"]["properties"].erase("refine");
       Json& required = properties["settings"]["required"];

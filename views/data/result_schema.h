@@ -13,7 +13,7 @@ namespace dea {
 /// "run", "info", ...: each NAME.json that docs/results.md has; then "settings".
 std::vector<std::string> schema_names();
 
-/// Of one of these names. Keys that the page does not name are allowed, as later versions add some.
+/// Of one of these names; throws UsageError. Keys that the page does not name are allowed, as later versions add some.
 Json result_schema(const std::string& name);
 
 }  // namespace dea
