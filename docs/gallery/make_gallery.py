@@ -50,15 +50,20 @@ def examples():
     return found
 
 
-def run(example, folder, dea, module):
-    """Runs it in a folder with its files alone. Raises CalledProcessError, with what it printed."""
-    for file in (example.path, *example.files):
-        shutil.copy(file, folder)
+def run(command, folder, dea, module):
+    """Runs a command in a folder. Raises CalledProcessError, with what it printed."""
     environment = {**os.environ, "PATH": f"{dea.parent}{os.pathsep}{os.environ['PATH']}", "PYTHONPATH": str(module), "MPLBACKEND": "Agg",
                    "PYTHONDONTWRITEBYTECODE": "1"}
-    program = {"sh": "sh", "python": sys.executable}[example.language]
-    subprocess.run([program, "-e", example.path.name] if program == "sh" else [program, example.path.name], cwd=folder, env=environment,
-                   check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=PATIENCE)
+    subprocess.run(command, cwd=folder, env=environment, check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                   timeout=PATIENCE)
+
+
+def with_page(dea, page, folder):
+    """The program beside a dea.html: `page` if it is there, else the stand-in."""
+    folder.mkdir()
+    shutil.copy(dea, folder / "dea")
+    (folder / "dea.html").write_text(page.read_text() if page.exists() else STAND_IN)
+    return folder / "dea"
 
 
 def photograph(page, picture):
@@ -101,14 +106,13 @@ def make(folder, dea, module, page=None, wanted=()):
         if wanted and example.name not in wanted:
             continue
         with tempfile.TemporaryDirectory(prefix="dea_gallery_") as temporary:
-            made, program = pathlib.Path(temporary) / "run", dea
+            made = pathlib.Path(temporary) / "run"
             made.mkdir()
-            if example.needs_page:
-                program = pathlib.Path(temporary) / "dea"
-                shutil.copy(dea, program)
-                (program.parent / "dea.html").write_text(page.read_text() if page.exists() else STAND_IN)
+            program = with_page(dea, page, made.parent / "program") if example.needs_page else dea
+            for file in (example.path, *example.files):
+                shutil.copy(file, made)
             try:
-                run(example, made, program, module)
+                run((["sh", "-e"] if example.language == "sh" else [sys.executable]) + [example.path.name], made, program, module)
                 keep(example, made, folder, photographed)
             except subprocess.CalledProcessError as fault:
                 faults.append((example.name, fault.stdout))

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gallery"))
@@ -17,6 +18,7 @@ import pages
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
+DEA_HTML = SOURCE / "build/portable/web/dea.html"  # where it was made
 
 
 def fail(text):
@@ -43,11 +45,32 @@ def gather(work):
     shutil.copy(HERE / "mkdocs.yml", work)
 
 
+PICTURE = re.compile(r"^<!-- picture: (.*) -->$", re.M)
+
+
+def photographs(build, work):
+    """Pictures of pages that dea writes, where a page of the site has the command that makes one, as a comment. Without Chromium, or
+    dea.html where it needs that, the comment stays."""
+    if not shutil.which("chromedriver"):
+        return
+    for page in sorted((work / "pages").rglob("*.md")):
+        for number, match in enumerate(PICTURE.finditer(page.read_text()), 1):
+            if " --live " in match[1] and not DEA_HTML.exists():
+                continue
+            picture = page.with_name(f"{page.stem}_{number}.png")
+            with tempfile.TemporaryDirectory(prefix="dea_picture_") as temporary:
+                folder = pathlib.Path(temporary) / "run"
+                shutil.copytree(SOURCE / "samples/hip", folder)
+                program = make_gallery.with_page(build / "app/dea", DEA_HTML, folder.parent / "program")
+                make_gallery.run(["sh", "-e", "-c", match[1]], folder, program, build / "python")
+                make_gallery.photograph(folder / "page.html", picture)
+            page.write_text(page.read_text().replace(match[0], f"![a page as the browser shows it]({picture.name})"))
+
+
 def gallery(build, work):
     """The gallery's page with pictures, lines and downloads: what its examples make here."""
     folder = work / "pages/docs/gallery"
-    page = SOURCE / "build/portable/web/dea.html"
-    faults = make_gallery.make(folder, build / "app/dea", build / "python", page if page.exists() else None)
+    faults = make_gallery.make(folder, build / "app/dea", build / "python", DEA_HTML)
     if faults:
         fail("\n".join(f"docs/gallery, {name}: {words}" for name, words in faults))
     text = []
@@ -98,6 +121,7 @@ for folder in (work, site):
     shutil.rmtree(folder, ignore_errors=True)
 gather(work)
 gallery(build, work)
+photographs(build, work)
 (work / "pages/reference").mkdir()
 cpp_reference(build, work)
 python_reference(build, work)
