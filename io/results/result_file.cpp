@@ -67,6 +67,11 @@ bool is_solution(const ResultFile& result, int state) {
 
 constexpr const char* kNoSolution = "is no solution; do not use its numbers";
 
+std::string newer_note(const ResultFile& result) {
+  return fmt::format("note: {}: a plot file of version {:#x}; dea knows up to {:#x} and passes over what is new",
+                     result.path, result.xplt.version, XpltFile().version);
+}
+
 std::string no_solution_warning(const ResultFile& result, int state) {
   return fmt::format("warning: {}: the state at time {} {}", result.path, time_text(result.xplt.states[at(state)].time),
                      kNoSolution);

@@ -39,15 +39,20 @@ struct Source {
   const std::string* name = nullptr;
   const std::string* bytes = nullptr;
   bool swapped = false;                           // written on a big-endian machine
+  std::uint32_t version = kNewestVersion;         // of the plot file
   std::optional<std::size_t> unpacked_from = {};  // the bytes were compressed; offset of their zlib stream
 };
 
+bool is_newer(const Source& source) { return source.version > kNewestVersion; }
+
 [[noreturn]] void fail(const Source& source, std::size_t at, const std::string& fault) {
-  if (source.unpacked_from) {
-    throw InputError(fmt::format("{}: byte {} of the data compressed at byte {}: {}", *source.name, at,
-                                 *source.unpacked_from, fault));
-  }
-  throw InputError(fmt::format("{}: byte {}: {}", *source.name, at, fault));
+  const std::string place = source.unpacked_from
+                                ? fmt::format("byte {} of the data compressed at byte {}", at, *source.unpacked_from)
+                                : fmt::format("byte {}", at);
+  const std::string newer = is_newer(source) ? fmt::format(" (plot file version {:#x}, dea knows up to {:#x})",
+                                                           source.version, kNewestVersion)
+                                             : "";
+  throw InputError(fmt::format("{}: {}: {}{}", *source.name, place, fault, newer));
 }
 
 // Part of a source. As a branch it is read with next_chunk, as a leaf with the functions below.
@@ -99,7 +104,9 @@ void for_each_child(const Chunk& branch, Read read) {
   while (next_chunk(branch, at, child)) read(child);
 }
 
-[[noreturn]] void fail_unknown(const Chunk& chunk, const char* where) {
+// A newer file may have chunks that came later than this reader: they are passed over. In another file they are damage.
+void pass_over_unknown(const Chunk& chunk, const char* where) {
+  if (is_newer(*chunk.source)) return;
   fail_header(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
 }
 
@@ -167,7 +174,7 @@ bool take(const Chunk& leaf, std::uint32_t id, Value& value) {
 
 // ----------------------------------------------------------------------------------------------- root
 
-void read_header(const Chunk& header, XpltFile& file) {
+void read_header(const Chunk& header, Source& source, XpltFile& file) {
   bool has_version = false;
   for_each_child(header, [&](const Chunk& child) {
     if (take(child, kSoftware, file.software) || take(child, kUnits, file.units)) return;
@@ -175,9 +182,10 @@ void read_header(const Chunk& header, XpltFile& file) {
       case kVersionTag:
         file.version = read_u32(child);
         has_version = true;
-        if (file.version < 0x30 || file.version > 0x35)
-          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35{}", file.version,
-                                  file.version < 0x30 ? " (written by FEBio 1 or 2?)" : ""));
+        if (file.version < kOldestVersion || file.version > kLastVersion)
+          fail(child, fmt::format("plot file version {:#x}, need {:#x} to {:#x}{}", file.version, kOldestVersion,
+                                  kLastVersion, file.version < kOldestVersion ? " (written by FEBio 1 or 2?)" : ""));
+        source.version = file.version;
         break;
       case kCompression:
         file.compressed = read_int(child) != 0;
@@ -187,7 +195,7 @@ void read_header(const Chunk& header, XpltFile& file) {
       case kMaxFacetV1:
         break;
       default:
-        fail_unknown(child, "the header");
+        pass_over_unknown(child, "the header");
     }
   });
   if (!has_version) fail(header, "no version");
@@ -228,7 +236,7 @@ XpltVariable read_item(const Chunk& item) {
         variable.units = read_fixed_name(child);
         break;
       default:
-        fail_unknown(child, "a variable's description");
+        pass_over_unknown(child, "a variable's description");
     }
   });
   if (!has_type || !has_name) fail(item, "variable without type or name");
@@ -239,10 +247,10 @@ void read_dictionary(const Chunk& dictionary, XpltFile& file) {
   std::vector<XpltVariable> groups[kGroups];  // the file may have them in any order
   for_each_child(dictionary, [&](const Chunk& child) {
     const auto* found = std::find(kGroupItems, kGroupItems + kGroups, child.id);
-    if (found == kGroupItems + kGroups) fail_unknown(child, "the dictionary");
+    if (found == kGroupItems + kGroups) return pass_over_unknown(child, "the dictionary");
     const auto group = static_cast<int>(found - kGroupItems);
     for_each_child(child, [&](const Chunk& item) {
-      if (item.id != kItem) fail_unknown(item, "the dictionary");
+      if (item.id != kItem) return pass_over_unknown(item, "the dictionary");
       XpltVariable variable = read_item(item);
       variable.group = static_cast<XpltGroup>(group);
       groups[group].push_back(std::move(variable));
@@ -253,16 +261,16 @@ void read_dictionary(const Chunk& dictionary, XpltFile& file) {
   }
 }
 
-void read_root(const Chunk& root, XpltFile& file) {
+void read_root(const Chunk& root, Source& source, XpltFile& file) {
   bool has_header = false;
   for_each_child(root, [&](const Chunk& child) {
     if (child.id == kHeader && !has_header) {
-      read_header(child, file);
+      read_header(child, source, file);
       has_header = true;
     } else if (child.id == kDictionary && has_header) {
       read_dictionary(child, file);
     } else {
-      fail_unknown(child, "the root");
+      pass_over_unknown(child, "the root");
     }
   });
   if (!has_header) fail(root, "no header");
@@ -293,7 +301,7 @@ void read_nodes(const Chunk& nodes, std::uint32_t version, XpltMesh& mesh) {
         }
       }
     } else {
-      fail_unknown(child, "the nodes");
+      pass_over_unknown(child, "the nodes");
     }
   });
 }
@@ -313,13 +321,13 @@ XpltDomain read_domain(const Chunk& chunk) {
         } else if (entry.id == kDomainElements) {
           count = read_count(entry);
         } else {
-          fail_unknown(entry, "a domain");
+          pass_over_unknown(entry, "a domain");
         }
       });
     } else if (child.id == kElementList) {
       if (n == 0) fail(child, "elements before their type");
       for_each_child(child, [&](const Chunk& element) {
-        if (element.id != kElement) fail_unknown(element, "a list of elements");
+        if (element.id != kElement) return pass_over_unknown(element, "a list of elements");
         require_size(element, 4 * (n + 1));
         domain.element_ids.push_back(int_at(*element.source, element.begin));
         for (std::size_t k = 1; k <= n; ++k) {
@@ -327,7 +335,7 @@ XpltDomain read_domain(const Chunk& chunk) {
         }
       });
     } else {
-      fail_unknown(child, "a domain");
+      pass_over_unknown(child, "a domain");
     }
   });
   if (count != xplt_elements(domain)) {
@@ -344,10 +352,10 @@ void read_list_header(const Chunk& header, const ListIds& ids, const char* what,
     if (entry.id == ids.count) {
       count = read_count(entry);
     } else if constexpr (std::is_same_v<List, XpltFacets>) {
-      if (entry.id != ids.max_nodes) fail_unknown(entry, what);
+      if (entry.id != ids.max_nodes) return pass_over_unknown(entry, what);
       list.max_nodes = read_count(entry);
     } else {
-      fail_unknown(entry, what);
+      pass_over_unknown(entry, what);
     }
   });
 }
@@ -361,7 +369,7 @@ XpltFacets read_facets(const Chunk& chunk, const ListIds& ids) {
       read_list_header(child, ids, "a surface", facets, count);
     } else if (child.id == ids.list) {
       for_each_child(child, [&](const Chunk& facet) {
-        if (facet.id != ids.facet) fail_unknown(facet, "a list of facets");
+        if (facet.id != ids.facet) return pass_over_unknown(facet, "a list of facets");
         require_size(facet, 4 * (static_cast<std::size_t>(facets.max_nodes) + 2));
         const int n = int_at(*facet.source, facet.begin + 4);  // before it: the facet's number
         if (n < 1 || n > facets.max_nodes) {
@@ -373,7 +381,7 @@ XpltFacets read_facets(const Chunk& chunk, const ListIds& ids) {
         facets.begin.push_back(static_cast<int>(facets.nodes.size()));
       });
     } else {
-      fail_unknown(child, "a surface");
+      pass_over_unknown(child, "a surface");
     }
   });
   if (count != facets.size()) fail(chunk, fmt::format("surface of {} facets, {} expected", facets.size(), count));
@@ -390,7 +398,7 @@ XpltSet read_set(const Chunk& chunk, const ListIds& ids) {
       require_size(child, 4 * static_cast<std::size_t>(count));
       for (std::size_t at = child.begin; at < child.end; at += 4) set.items.push_back(int_at(*child.source, at));
     } else {
-      fail_unknown(child, "a set");
+      pass_over_unknown(child, "a set");
     }
   });
   if (count != set.size()) fail(chunk, fmt::format("set of {} items, {} expected", set.size(), count));
@@ -454,7 +462,7 @@ XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
   XpltMesh mesh;
   const auto read_all = [](const Chunk& section, std::uint32_t id, auto read) {
     for_each_child(section, [&](const Chunk& child) {
-      if (child.id != id) fail_unknown(child, "the mesh");
+      if (child.id != id) return pass_over_unknown(child, "the mesh");
       read(child);
     });
   };
@@ -492,7 +500,7 @@ void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, Xplt
   }
   std::set<std::size_t> done;
   for_each_child(section, [&](const Chunk& child) {
-    if (child.id != kStateVariable) fail_unknown(child, "a state");
+    if (child.id != kStateVariable) return pass_over_unknown(child, "a state");
     std::optional<std::size_t> index;
     for_each_child(child, [&](const Chunk& entry) {
       if (entry.id == kStateVariableId) {
@@ -524,7 +532,7 @@ void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, Xplt
           regions.push_back({region, read_floats(data)});
         });
       } else {
-        fail_unknown(entry, "a variable's data");
+        pass_over_unknown(entry, "a variable's data");
       }
     });
   });
@@ -536,7 +544,7 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
   state.objects.resize(objects.size());
   std::vector<char> done(objects.size(), 0);
   for_each_child(section, [&](const Chunk& child) {
-    if (child.id != kPointObject && child.id != kLineObject) fail_unknown(child, "the states of objects");
+    if (child.id != kPointObject && child.id != kLineObject) return pass_over_unknown(child, "the states of objects");
     const std::vector<std::size_t>& kind = child.id == kLineObject ? lines : points;
     std::optional<std::size_t> index;
     for_each_child(child, [&](const Chunk& entry) {
@@ -600,7 +608,8 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
         std::set<std::uint32_t> done;
         for_each_child(child, [&](const Chunk& section) {
           const auto* found = std::find(kGroupData, kGroupData + kGroups, section.id);
-          if (found == kGroupData + kGroups || !done.insert(section.id).second) fail_unknown(section, "a state");
+          if (found == kGroupData + kGroups) return pass_over_unknown(section, "a state");
+          if (!done.insert(section.id).second) fail_header(section, "data of one kind twice in one state");
           read_data(section, file, static_cast<XpltGroup>(found - kGroupData), state);
         });
         break;
@@ -609,7 +618,7 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
         read_object_states(child, file.meshes.front().objects, state);
         break;
       default:
-        fail_unknown(child, "a state");
+        pass_over_unknown(child, "a state");
     }
   });
   if (!has_time) fail(chunk, "state without a time");
@@ -673,7 +682,7 @@ void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
     XpltMesh mesh = read_mesh(chunk, file.version);
     if (!mesh.objects.empty()) fail(chunk, "objects in another mesh than the first");
     file.meshes.push_back(std::move(mesh));
-  } else {
+  } else if (!is_newer(*chunk.source)) {
     fail_header(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
   }
 }
@@ -716,7 +725,7 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
   const std::optional<Chunk> root = top_chunk(source, at);
   if (!root) fail(source, at, "the file ends in its root");
   if (root->id != kRoot) fail_header(*root, fmt::format("chunk {:08x} where the root is expected", root->id));
-  read_root(*root, file);
+  read_root(*root, source, file);
   const std::optional<Chunk> mesh = top_chunk(source, at);
   if (!mesh) fail(source, at, "the file ends before or in its mesh");
   if (mesh->id != kMesh) fail_header(*mesh, fmt::format("chunk {:08x} where the mesh is expected", mesh->id));
@@ -751,7 +760,7 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
       if (chunk || bytes.size() - start < 4) continue;
       // Cut off if it begins like a chunk that may stand here; else the file is damaged.
       const std::uint32_t id = u32_at(source, start);
-      if (id != kState && id != kMesh)
+      if (id != kState && id != kMesh && !is_newer(source))
         fail(source, start, fmt::format("chunk {:08x} where a state or a mesh is expected", id));
     }
   }
@@ -813,6 +822,8 @@ std::optional<XpltFile> skimmed(const std::string& path) {
 }
 
 }  // namespace
+
+bool is_newer(const XpltFile& file) { return file.version > kNewestVersion; }
 
 XpltFile read_xplt_outline(const std::string& path) {
   std::optional<XpltFile> file = skimmed(path);

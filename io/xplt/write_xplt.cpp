@@ -202,7 +202,7 @@ void check_state(const XpltFile& file, const XpltState& state) {
 }
 
 void check(const XpltFile& file) {
-  require(file.version >= 0x30 && file.version <= 0x35, "version");
+  require(file.version >= kOldestVersion && file.version <= kNewestVersion, "version");
   check_dictionary(file.variables);
   require(!file.meshes.empty(), "no mesh");
   for (const XpltMesh& mesh : file.meshes) check_mesh(mesh);

@@ -179,8 +179,12 @@ class XpltWriter {
   Spool states_;
 };
 
-/// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and
-/// flagged. Throws InputError: not a plot file, older version, inconsistent chunk sizes, ...
+/// Does the file come from a newer FEBio than this reader knows?
+bool is_newer(const XpltFile& file);
+
+/// Reads a plot file of version 0x30 to 0x35, compressed or not; of a newer one, to 0x3f, all but what is new. A
+/// truncated last state is dropped and flagged. Throws InputError: not a plot file, older version, inconsistent chunk
+/// sizes, ...
 XpltFile read_xplt(const std::string& path);
 
 /// What a plot file is of: header, dictionary, meshes, and of each state its time; its values may be missing. Quick: it

@@ -6,7 +6,9 @@
 namespace dea::xplt {
 
 inline constexpr std::uint32_t kMagic = 0x00464542;
-inline constexpr int kFixedName = 64;  // bytes of a fixed-length name, at least one of them zero
+inline constexpr std::uint32_t kOldestVersion = 0x30, kNewestVersion = 0x35;  // known
+inline constexpr std::uint32_t kLastVersion = 0x3F;  // of format 3.x: newer files are read as far as they are known
+inline constexpr int kFixedName = 64;                // bytes of a fixed-length name, at least one of them zero
 inline constexpr int kLongestName = 63;
 inline constexpr int kLargestFacet = 10;  // slots of a face record that FEBio's viewer has room for
 

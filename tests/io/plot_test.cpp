@@ -871,6 +871,31 @@ TEST_F(Folder, WritesWhatIsAskedFor) {
   EXPECT_EQ(quiet.err, "");
 }
 
+// A newer FEBio's file: no names of domains, another version.
+TEST_F(Folder, ANewerFileGivesTheSameMapAndNumbers) {
+  XpltFile nameless = read_xplt((folder.path / "a.xplt").string());
+  nameless.meshes[0].domains[0].name = "";
+  std::string bytes = xplt_bytes(nameless);
+  ASSERT_EQ(bytes[28], 0x35);
+  const auto results = [&](const std::string& content) {
+    std::ofstream(folder.path / "a.xplt", std::ios::binary) << content;
+    const Finished drawn = plot({"a.xplt", "-o", "a.svg"});
+    const Finished compared = run_program(folder.path, {DEA_PROGRAM, "compare", "a.xplt", "b.xplt", "--csv", "-"}, 30);
+    EXPECT_EQ(drawn.code + compared.code, 0) << drawn.err << compared.err;
+    return std::array<std::string, 4>{file_text(folder.path / "a.svg"), compared.out, drawn.err, compared.err};
+  };
+  const auto named = results(file_text(folder.path / "a.xplt"));
+  EXPECT_EQ(results(bytes), named);
+  bytes[28] = 0x36;
+  const auto newer = results(bytes);
+  EXPECT_EQ(newer[0], named[0]);
+  EXPECT_EQ(newer[1], named[1]);
+  const std::string note =
+      "note: a.xplt: a plot file of version 0x36; dea knows up to 0x35 and passes over what is new\n";
+  EXPECT_EQ(newer[2], note + named[2]);
+  EXPECT_NE(newer[3].find(note), std::string::npos) << newer[3];
+}
+
 TEST_F(Folder, RefusesInOneLine) {
   struct Case {
     std::vector<std::string> words;

@@ -2,7 +2,9 @@
 import base64
 import importlib.util
 import json
+import pathlib
 import re
+import struct
 
 import numpy as np
 import pytest
@@ -139,8 +141,17 @@ def test_fields_of_another_kind(file):
         surface.carry_from(surface, [1.0])
 
 
-def test_domains_without_a_name_have_that_of_their_part(file):
-    state = file.states[-1]
+def test_domains_without_a_name_have_that_of_their_part(file, tmp_path):
+    domain_name = struct.pack("<I", 0x01032105)  # then the chunk's size, the name's length, the name
+
+    def empty(chunk):
+        return chunk[1] + bytes(len(chunk[2]))
+
+    path = tmp_path / "nameless.xplt"
+    named = pathlib.Path(file.path).read_bytes()
+    path.write_bytes(re.sub(rb"(%s.\0\0\0.\0\0\0)([^\0]+)" % re.escape(domain_name), empty, named, flags=re.DOTALL))
+    state = febiodea.read_xplt(path).states[-1]
+    assert set(file.states[-1].domains) - set(state.domains)  # domains and parts are called otherwise
     assert state.domains and all(state.domains)
     assert {f.region for f in state.fields if f.group == "domain"} <= set(state.domains)
 

@@ -631,6 +631,7 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     if (!file.xplt.units.empty() && file.xplt.units != c.units)
       c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
                                        file.path, file.xplt.units, c.units));
+    if (is_newer(file.xplt)) c.warnings.push_back(newer_note(file));
     if (file.xplt.truncated)
       c.warnings.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {}", file.path,

@@ -398,11 +398,13 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
                                                    const std::vector<std::string>& names, const MapOptions& o,
                                                    MapFigure& figure) {
   std::vector<std::vector<std::string>> without(files.size());
-  for (const ResultFile* file : files)
+  for (const ResultFile* file : files) {
+    if (is_newer(file->xplt)) figure.remarks.push_back(newer_note(*file));
     if (file->xplt.truncated)
       figure.remarks.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {}", file->path,
                       time_text(file->xplt.states.back().time)));
+  }
   if (!is_pressure(o.field)) return without;
   for (const std::string& name : names) {
     std::vector<char> pressed;
