@@ -277,8 +277,9 @@ void FEDeaContact::build() {
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
-  std::string text = findings_text(fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName()),
-                                   dea::model_findings(model, bed->joint));
+  std::string text = own == 0 ? dea::untested_line() : "";  // one contact tells it for all
+  text += findings_text(fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName()),
+                        dea::model_findings(model, bed->joint));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     text += fmt::format("  {} surface \"{}\" on body \"{}\": ", dea::kSides[side],

@@ -164,7 +164,7 @@ bool DeaTask::Run() {
     auto* fem = dynamic_cast<FEBioModel*>(GetFEModel());
     if (fem == nullptr) throw UsageError("the model is none of febio4's");
     open_log_file(*fem);
-    log_text(*fem, version_line() + ": task dea");
+    log_text(*fem, version_line() + ": task dea\n" + untested_line());
     return run(*fem, settings_file_, &stop_asked, writing);
   } catch (const Stopped&) {
     fault = writing ? "dea: stopped before all files were written" : "dea: stopped, nothing was written";

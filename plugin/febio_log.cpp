@@ -9,6 +9,7 @@
 #include <sstream>
 #include <vector>
 
+#include "plugin/febio_wording.h"
 #include "src/base/error.h"
 #include "src/base/names.h"
 #include "src/version.h"
@@ -48,6 +49,10 @@ std::string box(const std::string& text) {
 
 std::string version_line() {
   return fmt::format("dea {}, SDK {}.{}.{}", kVersion, FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION, FE_SDK_SUBSUB_VERSION);
+}
+
+std::string untested_line() {
+  return untested_line(DEA_TESTED_FEBIO, fmt::format("{}.{}", FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION));
 }
 
 void open_log_file(FEModel& fem) {

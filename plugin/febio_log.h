@@ -13,6 +13,9 @@ void open_log_file(FEModel& fem);
 /// "dea 1.0.0, SDK 4.11.0": what is running here.
 std::string version_line();
 
+/// A line, with its end, if this SDK is not among those the plugin was verified with, else empty.
+std::string untested_line();
+
 /// Prints every line of `text`.
 void log_text(FEModel& fem, const std::string& text);
 

@@ -74,6 +74,7 @@ FILES = {
     "hip_stress.xplt": "dea run hip_walking.feb --inside --E 12 -o hip_stress.xplt",
     "hip_dea.feb": "dea convert hip.feb",
     "hip_springs.xplt": "dea run hip.feb -o hip_springs.xplt",  # in its text FEBio with the plugin makes it
+    "task.xplt": "dea run hip.feb -o task.xplt", "run.xplt": "dea run hip.feb -o run.xplt",  # the first by febio4 with the plugin
     "articular.xplt": "dea run hip.feb -o articular.xplt --states last",
     "layer.xplt": "dea run hip.feb -o layer.xplt --states last",
     "bone.xplt": "dea run hip.feb -o bone.xplt --springs-at bone --states last",
