@@ -99,9 +99,9 @@ int compare_command(const CompareArguments& arguments);
 
 struct PlotArguments {
   std::vector<std::string> files, surfaces, labels;
-  std::string output, animate, fps, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi,
-      columns, font_size, colour_map, text_as, units;
-  bool smooth = false, dark = false, overwrite = false, quiet = false;
+  std::string output, animate, fps, field, at, states, minus, view, up, anterior, side, contours, low, high, scale,
+      title, width, dpi, columns, font_size, colour_map, text_as, units;
+  bool smooth = false, dark = false, load = false, overwrite = false, quiet = false;
 };
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
 int plot_command(const PlotArguments& arguments);

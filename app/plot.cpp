@@ -45,6 +45,7 @@ Examples:
   dea plot hip_dea.xplt --minus hip.xplt -o difference.png
   dea plot knee_dea.xplt --surface medial_plateau --surface lateral_plateau --up 0,1,0 -o knee.png
   dea plot hip_dea.xplt --field "joint space" --view unrolled --max 3 -o space.svg
+  dea plot hip_dea.xplt --load --up 0,0,1 --anterior 0,1,0 --side left -o load.svg
   dea plot hip_dea.xplt --animate walking.gif --fps 4)";
 
 double number_option(const char* option, const std::string& text, double least, double most) {
@@ -83,6 +84,16 @@ MapOptions map_options(const PlotArguments& a) {
   else if (!a.view.empty())
     o.toward = direction("view", a.view, "a direction x,y,z, or unrolled", {"unrolled"});
   if (!a.up.empty()) o.up = direction("up", a.up, "a direction x,y,z that is not 0");
+  o.load = a.load;
+  if (a.anterior.empty() && !a.side.empty()) throw UsageError(fmt::format("--side {}: belongs to --anterior", a.side));
+  if (!a.anterior.empty()) {
+    if (a.up.empty()) throw UsageError("--anterior: needs --up x,y,z, the direction to the top of the body");
+    o.body = {o.up, direction("anterior", a.anterior, "a direction x,y,z that is not 0"), a.side};
+    if (!(o.up.normalized().cross(o.body.anterior.normalized()).norm() > 1e-3))
+      throw UsageError("--anterior: is along --up, expected a direction across it");
+    if (!a.side.empty() && a.side != "left" && a.side != "right")
+      throw wrong_word("side", a.side, "left or right", {"left", "right"});
+  }
   if (!a.animate.empty() && o.states_option.empty()) o.states = "all";
   o.smooth = a.smooth;
   o.labelled = !a.labels.empty();
@@ -208,6 +219,11 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_once(*c, "--view", a.view, "x,y,z|unrolled", "View",
            "Direction from which the surface is seen, or unrolled [sockets: mean normal; balls: against the force]");
   add_once(*c, "--up", a.up, "x,y,z", "View", "What is up in the picture [z, or y if z is too nearly along the view]");
+  add_once(
+      *c, "--anterior", a.anterior, "x,y,z", "View",
+      "Direction to the front of the body: names directions at the edges of maps; --up is then the top of the body");
+  add_once(*c, "--side", a.side, "left|right", "View", "Side of the joint: medial and lateral are named too");
+  c->add_flag("--load", a.load, "An arrow for the force that presses the surface, and its size")->group("Look");
   c->add_flag("--smooth", a.smooth, "Draw nodal averages instead of facets as they are")->group("Look");
   add_once(*c, "--contours", a.contours, "none|v1,v2,...", "Look",
            "Lines of equal value [at the colour bar's numbers]");

@@ -463,6 +463,77 @@ TEST(MapFigure, AFileWithoutPressureIsNoJointWithoutContact) {
   EXPECT_TRUE(make_map_figure({a, a}, nullptr, o).remarks.empty());
 }
 
+// A sphere pressed on a flat along its axis: the patch of pressure is even about the middle of the sheet, so the force
+// on the sheet is -p A along its normal and the arrow ends at the middle. Seen from (0, -sin a, cos a), with z up, a
+// force along -z is turned by a to the paper: its arrow points down and is sin a long.
+TEST(MapFigure, TheLoadHasTheSizeAndDirectionOfTheForce) {
+  const double a = 60 * kPi / 180;
+  std::vector<double> p(36, 0.0);
+  for (int j = 2; j < 4; ++j)
+    for (int i = 2; i < 4; ++i) p[at(i + 6 * j)] = 2.5;
+  MapOptions o = plain();
+  o.load = true;
+  o.toward = Vector3d(0, -std::sin(a), std::cos(a));
+  o.up = Vector3d::UnitZ();
+  const ResultFile file = result_of("a", sheet(6, 6, 60, 60), {p}, "mm-N-s");
+  const MapFigure f = make_map_figure({file}, nullptr, o);
+  const MapPanel& panel = f.panels[0];
+  ASSERT_TRUE(panel.load && panel.center_of_pressure);
+  EXPECT_NEAR(panel.load->x(), 0, 1e-12);
+  EXPECT_NEAR(panel.load->y(), -std::sin(a), 1e-12);
+  EXPECT_EQ(panel.load_text, "1000 N");  // 2.5 MPa on 20 mm x 20 mm
+  EXPECT_LT((*panel.center_of_pressure - on_map(f.surfaces[0].view, Vector3d(30, 30, 0))).norm(), 1e-6);
+  EXPECT_TRUE(f.signs.load);
+  o.unrolled = false;
+  o.load = false;
+  EXPECT_FALSE(make_map_figure({file}, nullptr, o).panels[0].load);
+  o.load = true;
+  o.field = "joint space";
+  EXPECT_FALSE(make_map_figure({file}, nullptr, o).panels[0].load);
+}
+
+// The same of a sphere on a flat that `dea run` solved: what the map adds up to is the force of the contact, to the
+// error of the map's own facets.
+TEST(MapFigure, TheLoadOfASolvedSphereIsItsContactForce) {
+  const TemporaryFolder folder;
+  const std::string model = DEA_SAMPLES_DIR "/sphere_on_flat/sphere_on_flat.feb";
+  ASSERT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", model, "-o", "r.xplt", "-q"}, 60).code, 0);
+  const ResultFile file = read_result((folder.path / "r.xplt").string(), "r");
+  const int state = static_cast<int>(file.xplt.states.size()) - 1,
+            variable = find_variable(file.xplt, XpltGroup::Surface, "contact force");
+  const int surface = find_surface(file, state, "base_articular");
+  double force = 0.0;
+  for (const XpltRegion& region : file.xplt.states.back().variables[at(variable)])
+    if (region.region == surface + 1) force = -region.values[2];
+  MapOptions o = plain();
+  o.load = true;
+  o.surfaces = {"base_articular"};
+  o.toward = Vector3d(0, -1, 1);
+  o.up = Vector3d::UnitZ();
+  const MapPanel panel = make_map_figure({file}, nullptr, o).panels[0];
+  ASSERT_TRUE(panel.load);
+  EXPECT_NEAR(panel.load->x(), 0, 2e-3);  // the mesh is not quite even about the axis
+  EXPECT_NEAR(panel.load->y(), -std::sqrt(0.5), 2e-3);
+  EXPECT_NEAR(std::stod(panel.load_text) / force, 1, 0.01);
+}
+
+// What is anterior lies to the right for who looks at the body from its right side, to the left from its left side.
+TEST(MapGeometry, EdgesHaveTheNamesOfTheBodysDirections) {
+  const Vector3d up = Vector3d::UnitZ();
+  const BodyDirections body = {up, Vector3d::UnitY(), ""};  // so the body's right is x
+  EXPECT_EQ(edge_names(view_from({1, 0, 0}, up), body), (EdgeNames{"anterior", "superior", "posterior", "inferior"}));
+  EXPECT_EQ(edge_names(view_from({-1, 0, 0}, up), body), (EdgeNames{"posterior", "superior", "anterior", "inferior"}));
+  EXPECT_EQ(edge_names(view_from({0, 1, 0}, up), body), (EdgeNames{"left", "superior", "right", "inferior"}));
+  EXPECT_EQ(edge_names(view_from({0, -1, 0}, up), {up, Vector3d::UnitY(), "right"}),
+            (EdgeNames{"lateral", "superior", "medial", "inferior"}));
+  EXPECT_EQ(edge_names(view_from({0, -1, 0}, up), {up, Vector3d::UnitY(), "left"}),
+            (EdgeNames{"medial", "superior", "lateral", "inferior"}));
+  EXPECT_EQ(edge_names(view_from({0, 0, -1}, {0, 1, 0}), body), (EdgeNames{"left", "anterior", "right", "posterior"}));
+  EXPECT_EQ(edge_names(view_from({1, 0, 0}, up), {}), EdgeNames());
+  // an oblique front need not be across the top
+  EXPECT_EQ(edge_names(view_from({1, 0, 0}, up), {up, Vector3d(0, 1, 1), ""})[0], "anterior");
+}
+
 TEST(MapFigure, CutOffFilesAreSaid) {
   ResultFile a = result_of("a", sheet(2, 1, 2, 1), {{1, 2}});
   a.xplt.truncated = true;
@@ -849,6 +920,10 @@ TEST_F(Folder, WritesWhatIsAskedFor) {
       {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "d.png"}, "d.png", "\x89PNG"},
       {{"a.xplt", "--view", "0,1,0", "-o", "side.png", "--dpi", "50", "--width", "80"}, "side.png", "\x89PNG"},
       {{"zero.xplt", "-o", "z.svg"}, "z.svg", "<?xml"},
+      {{"flat.xplt", "--load", "--view", "1,0,1", "--up", "0,0,1", "--anterior", "0,1,0", "--side", "left", "-o",
+        "l.svg"},
+       "l.svg",
+       "<?xml"},
       {{"a.xplt", "-o", "text.svg", "--text-as", "text", "--font-size", "8", "--colour-map", "grey"},
        "text.svg",
        "<?xml"},
@@ -928,6 +1003,10 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--view", "up"}, 2, "--view up: found \"up\", expected a direction x,y,z, or unrolled"},
       {{"a.xplt", "--view", "0,0,0"}, 2, "--view 0,0,0"},
       {{"a.xplt", "--view", "0,0,1", "--up", "0,0,2"}, 2, "is along the view"},
+      {{"a.xplt", "--side", "left"}, 2, "--side left: belongs to --anterior"},
+      {{"a.xplt", "--anterior", "0,1,0"}, 2, "--anterior: needs --up x,y,z"},
+      {{"a.xplt", "--anterior", "0,1,0", "--up", "0,2,0"}, 2, "--anterior: is along --up"},
+      {{"a.xplt", "--anterior", "0,1,0", "--up", "0,0,1", "--side", "lef"}, 2, "expected left or right"},
       {{"flat.xplt", "--view", "1,0,0"}, 2, "is seen edge-on"},
       {{"a.xplt", "--min", "1e17", "--max", "1.0000000000000002e17"}, 2, "found no width of the colour scale"},
       {{"flat.xplt", "--view", "unrolled"}, 2, "is no part of a sphere"},

@@ -22,6 +22,7 @@ constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels o
 constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
 constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0, kBarLine = 18.0;
 constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
+constexpr double kEdgeNames = 16.0;  // room for a direction's name beyond a map's edge
 constexpr double kMostPixels = 20000.0;
 
 /// From lengths of the surface to the paper.
@@ -153,6 +154,16 @@ void center_marker(Pen& pen, const Vector2d& p, double size) {
   stroke_marker(pen, size);
 }
 
+/// Ends at its tip.
+void arrow(Pen& pen, const Vector2d& tail, const Vector2d& tip, double size) {
+  const Vector2d along = (tip - tail).normalized(), across(-along.y(), along.x());
+  const Vector2d neck = tip - 9.0 * size * along;
+  pen.line(tail, tip);
+  pen.line(neck + 4.0 * size * across, tip);
+  pen.line(neck - 4.0 * size * across, tip);
+  stroke_marker(pen, size);
+}
+
 using Box = Eigen::AlignedBox2d;
 
 /// Angles from the pole of an unrolled map at which there are circles.
@@ -258,9 +269,45 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
   }
 }
 
+/// The load comes from outside, along the force, to the centre of pressure. It is short where the force is nearly along
+/// the view; one that would be too short, also for want of `room` [px], is left out.
+void draw_load(Pen& pen, const Placing& place, const MapPanel& panel, const Box& room, const Paper& paper,
+               double marks) {
+  if (!panel.load) return;
+  const Vector2d tip = place(*panel.center_of_pressure), back(-panel.load->x(), panel.load->y());
+  double length = 0.5 * room.sizes().maxCoeff();
+  pen.font(12.5);
+  const Vector2d half(0.5 * pen.width(panel.load_text) + 2, 8);
+  for (int k = 0; k < 2; ++k) {  // the words behind its tail are in the room too
+    const double left = back[k] > 0 ? room.max()[k] - half[k] - tip[k] : tip[k] - half[k] - room.min()[k];
+    if (std::abs(back[k]) > 0) length = std::min(length, left / std::abs(back[k]) - 2.0 * half[k]);
+  }
+  if (!(length * back.norm() > 26.0 * marks)) return;
+  const Vector2d tail = tip + length * back, words = tail + back.normalized().cwiseProduct(half);
+  arrow(pen, tail, tip + 8.0 * marks * back.normalized(), marks);  // the cross stays free
+  pen.use(paper.text);
+  pen.text_on(words.x() - half.x() + 2, words.y() + 4.5, panel.load_text, paper.background);
+}
+
+/// Directions of the body beyond the map's edges, in `room` [px].
+void draw_edges(Pen& pen, const EdgeNames& names, const Box& room, const Paper& paper) {
+  pen.font(12.5);
+  pen.use(paper.faint);
+  const Vector2d middle = room.center();
+  const double x[] = {room.max().x(), middle.x(), room.min().x(), middle.x()},
+               y[] = {middle.y(), room.min().y(), middle.y(), room.max().y()};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    pen.save();
+    pen.shift(x[k], y[k]);
+    if (k % 2 == 0) pen.turn(-0.5 * kPi);
+    pen.text(-0.5 * pen.width(names[k]), k < 2 ? (k == 0 ? -3 : 12) : (k == 2 ? 12 : -3), names[k]);
+    pen.restore();
+  }
+}
+
 /// `marks`: their size, 1 on a map of usual size.
 void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel, const Paper& paper,
-                double marks) {
+                const Box& room, double marks) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   for (int layer = 0; layer < s.projection.layers; ++layer) {
     const PanelMasks masks = panel_masks(figure, panel, layer);
@@ -275,6 +322,9 @@ void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const M
     pen.stroke(1.0);
   }
   if (s.view.unrolled) draw_angles(pen, place, panel, s, extent(s), paper);
+  draw_edges(pen, s.edges, room, paper);
+  const double edge = s.edges == EdgeNames() ? 0.0 : kEdgeNames;
+  draw_load(pen, place, panel, {room.min().array() + edge, room.max().array() - edge}, paper, marks);
   if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure), marks);
   if (panel.peak) peak_marker(pen, place(*panel.peak), marks);
 }
@@ -500,6 +550,9 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
   if (figure.signs.center_of_pressure)
     entries.push_back(
         {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0), 1.0); }});
+  if (figure.signs.load)
+    entries.push_back(
+        {"load", [](Pen& pen, const Vector2d& p) { arrow(pen, p + Vector2d(0, 5), p + Vector2d(16, -5), 0.8); }});
   if (figure.signs.nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
   if (figure.signs.turned_away) entries.push_back({"turned away", square(paper.turned_away)});
   if (figure.surfaces.front().view.unrolled)
@@ -565,9 +618,11 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
         std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
   Vector2d most = Vector2d::Constant(1e-300);
   for (const MapSurface& s : figure.surfaces) most = most.cwiseMax(extent(s).sizes());
-  constexpr double kRound = 8.0;  // room for markers and labels at the rim
-  l.scale = std::min((l.panel_width - 2 * kRound) / most.x(), (1.15 * l.panel_width - 2 * kRound) / most.y());
-  l.map_height = most.y() * l.scale + 2 * kRound;
+  const bool named = std::any_of(figure.surfaces.begin(), figure.surfaces.end(),
+                                 [](const MapSurface& s) { return s.edges != EdgeNames(); });
+  const double round = 8.0 + (named ? kEdgeNames : 0.0);  // room for markers and labels at the rim
+  l.scale = std::min((l.panel_width - 2 * round) / most.x(), (1.15 * l.panel_width - 2 * round) / most.y());
+  l.map_height = most.y() * l.scale + 2 * round;
   l.map_height = std::max(l.map_height, l.rows == 1 && !figure.empty ? 110.0 : 30.0);
   l.top = kMargin + (figure.title.empty() ? 0.0 : kTitle + 14);
   l.header = 2 * kText + 14;
@@ -626,7 +681,9 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
     const Vector2d middle = extent(figure.surfaces[at(panel.surface)]).center();
     place.origin = {x + 0.5 * l.panel_width - l.scale * middle.x(),
                     y + l.header + 0.5 * l.map_height + l.scale * middle.y()};
-    draw_panel(pen, place, figure, panel, paper, std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));
+    const Box frame(Vector2d(x, y + l.header), Vector2d(x + l.panel_width, y + l.header + l.map_height));
+    draw_panel(pen, place, figure, panel, paper, frame,
+               std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));
   }
   if (!figure.empty) {
     const double height = std::min(l.map_height - 16, 300.0);

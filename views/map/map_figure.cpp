@@ -241,13 +241,19 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
                     area_of = fmt::format("{}, area {}{}", mean, four_digits(h.area), area_unit);
   panel.numbers = {fmt::format("{}, peak {}{}", area_of, four_digits(h.peak), unit), area_of, mean, p99 + unit, p99};
   double force = 0.0;
-  Vector3d center = Vector3d::Zero();
+  Vector3d center = Vector3d::Zero(), resultant = Vector3d::Zero();
   for (std::size_t f = 0; f < pressure.size(); ++f) {
     const double weight = s.surface.facet_areas[f] * pressure[f];
     force += weight;
     center += weight * s.surface.facet_centers[f];
+    resultant -= pressure[f] * s.surface.area_vectors[f];  // on this surface, into it
   }
-  if (force > 0) panel.center_of_pressure = on_map(s.view, center / force);
+  if (!(force > 0)) return;
+  panel.center_of_pressure = on_map(s.view, center / force);
+  if (!figure.signs.load || !(resultant.norm() > 0)) return;
+  panel.load = Vector2d(s.view.right.dot(resultant), s.view.up.dot(resultant)) / resultant.norm();
+  panel.load_text =
+      four_digits(resultant.norm()) + (figure.force_unit.empty() ? "" : fmt::format(" {}", figure.force_unit));
 }
 
 const std::vector<double>& shown(const MapFigure& figure, const MapValues& values) {
@@ -440,6 +446,7 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
   const UnitNames units = unit_names(system);
   figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
   figure.length_unit = units.length;
+  figure.force_unit = units.force;
 }
 
 /// The surfaces to show.
@@ -634,6 +641,7 @@ void project_surfaces(Work& r) {
     std::vector<double> weights(s.mesh.triangles.size(), 0.0);
     for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
     s.view = &*same != &s ? same->view : choose_view(r, s, load);
+    s.edges = edge_names(s.view, r.options.body);
     s.projection = project(s.mesh, s.view, weights);
     if (s.projection.layers == 0)
       throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
@@ -685,6 +693,7 @@ void settle(Work& work) {
     for (int best : on.largest) figure.signs.peak = figure.signs.peak || place_of(figure, s, best);
     figure.signs.center_of_pressure =
         figure.signs.center_of_pressure || (on.pressed && !is_diverging(figure.map) && !work.misleading[k]);
+    figure.signs.load = figure.signs.center_of_pressure && work.options.load && !work.options.unrolled;
     for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
       figure.signs.turned_away = figure.signs.turned_away ||
                                  (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
@@ -708,6 +717,7 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
     if (panel.numbers.empty()) describe(figure, values[k], panel);
     if (!panel.solved) say_no_solution(panel);
     if (work.misleading[at(panel.surface)]) panel.center_of_pressure.reset();
+    if (!panel.center_of_pressure) panel.load.reset();
     panel.peak = place_of(figure, s, largest(figure, panel));
   }
 }

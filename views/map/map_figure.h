@@ -20,6 +20,8 @@ struct MapOptions {
   std::optional<Vector3d> toward;     ///< seen from there; none: along the surface's axis
   bool unrolled = false;
   Vector3d up = Vector3d::Zero();    ///< zero: found
+  BodyDirections body;               ///< with anterior: named at the edges of maps
+  bool load = false;                 ///< an arrow for the force that presses the surface
   bool labelled = false;             ///< titles name the file also where it is the only one
   bool smooth = false;               ///< nodal averages, interpolated; else facets as they are
   bool scale_of_shown = false;       ///< the scale covers the panels; else all states of the files
@@ -34,6 +36,7 @@ struct MapSurface {
   ResultSurface surface;
   MapMesh mesh;
   MapView view;
+  EdgeNames edges = {};
   Projection projection;
 };
 
@@ -47,11 +50,13 @@ struct MapPanel {
   std::vector<double> points;        ///< per point of the map: nodal averages; NaN: nothing there
   double edge = 0.0;  ///< smooth: the level of `points` that encloses as much area as the facets with a value
   std::optional<Vector2d> peak, center_of_pressure;  ///< on the map; none where not to be seen
+  std::optional<Vector2d> load;  ///< direction of the force on this surface, on the map: shorter than 1 as it is turned
+  std::string load_text;         ///< its size
 };
 
 /// What the legend explains: what panels have.
 struct MapSigns {
-  bool peak = false, center_of_pressure = false, nothing = false, turned_away = false;
+  bool peak = false, center_of_pressure = false, load = false, nothing = false, turned_away = false;
 };
 
 struct MapFigure {
@@ -66,8 +71,8 @@ struct MapFigure {
   bool beyond_low = false, beyond_high = false;  ///< values outside the scale exist
   std::vector<double> ticks, contours;
   MapSigns signs;
-  std::string quantity, unit, length_unit;  ///< units: empty if the files name none
-  std::vector<std::string> remarks;         ///< for the user: what is not to be seen, what is cut off or missing
+  std::string quantity, unit, length_unit, force_unit;  ///< units: empty if the files name none
+  std::vector<std::string> remarks;  ///< for the user: what is not to be seen, what is cut off or missing
 };
 
 /// Is every state on the map a solution?

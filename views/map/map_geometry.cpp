@@ -406,6 +406,36 @@ bool unroll(const ResultSurface& surface, const Vector3d& up, MapView& view) {
   return true;
 }
 
+EdgeNames edge_names(const MapView& view, const BodyDirections& body) {
+  EdgeNames names;
+  if (!(body.anterior.norm() > 0)) return names;
+  const Vector3d up = body.superior.normalized(), front = (body.anterior - body.anterior.dot(up) * up).normalized();
+  const bool left = body.side == "left", sided = !body.side.empty();
+  const struct {
+    Vector3d to;
+    const char *there, *opposite;
+  } axes[] = {{up, "superior", "inferior"},
+              {front, "anterior", "posterior"},
+              {front.cross(up),
+               !sided ? "right"
+               : left ? "medial"
+                      : "lateral",
+               !sided ? "left"
+               : left ? "lateral"
+                      : "medial"}};
+  constexpr double kNear = 0.5;  // an axis names edges within 45 degrees of it, unless it is nearly along the view
+  double nearest[2] = {kNear, kNear};
+  for (const auto& axis : axes) {
+    const double across[2] = {axis.to.dot(view.right), axis.to.dot(view.up)};
+    const std::size_t edge = std::abs(across[1]) > std::abs(across[0]) ? 1 : 0;
+    if (std::abs(across[edge]) <= nearest[edge]) continue;
+    nearest[edge] = std::abs(across[edge]);
+    names[edge] = across[edge] > 0 ? axis.there : axis.opposite;
+    names[edge + 2] = across[edge] > 0 ? axis.opposite : axis.there;
+  }
+  return names;
+}
+
 Vector2d on_map(const MapView& view, const Vector3d& x) {
   if (!view.unrolled) return {view.right.dot(x), view.up.dot(x)};
   const Vector3d d = x - view.center;

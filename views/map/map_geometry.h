@@ -2,6 +2,7 @@
 // contours. No colours, no files.
 #pragma once
 #include <array>
+#include <string>
 #include <vector>
 
 #include "src/results/comparison.h"
@@ -40,6 +41,16 @@ Vector3d default_direction(const ResultSurface& surface, const std::vector<doubl
 MapView view_from(const Vector3d& toward, const Vector3d& up);
 /// False if the surface is no part of a sphere: radius over 10 radii of gyration, or 10 % of the radius off it (rms).
 bool unroll(const ResultSurface& surface, const Vector3d& up, MapView& view);
+/// Directions of the body in the global frame; anterior zero: not known. Those of `side` ("left" or "right" joint)
+/// name medial and lateral; without it the body's right and left are named.
+struct BodyDirections {
+  Vector3d superior = Vector3d::UnitZ(), anterior = Vector3d::Zero();
+  std::string side = {};
+};
+/// What lies beyond the map's right, top, left and bottom edge; empty: no direction of the body is near enough.
+using EdgeNames = std::array<std::string, 4>;
+EdgeNames edge_names(const MapView& view, const BodyDirections& body);
+
 /// Where a point comes to lie: right, up. Lengths are the surface's.
 Vector2d on_map(const MapView& view, const Vector3d& x);
 
