@@ -10,7 +10,7 @@ import sys
 FLOORS = ["base", "model", "geometry", "build", "facts", "joint", "springs", "equilibrium", "results", "rules", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
 SYSTEM = {f"{file}{twin}.cpp" for file in ("io/files/system", "app/process") for twin in ("", "_windows")}  # who may ask the operating system
-LIBRARIES = {"cairo.h", "cholmod.h", "gif_lib.h", "muParser.h", "sqlite3.h", "tinyxml2.h", "zlib.h"}  # other headers of such names are the system's
+LIBRARIES = {"cairo.h", "cholmod.h", "gif_lib.h", "hdf5.h", "hdf5_hl.h", "muParser.h", "sqlite3.h", "tinyxml2.h", "zlib.h"}  # other headers of such names are the system's
 source = pathlib.Path(sys.argv[1])
 
 
@@ -31,6 +31,8 @@ for file in files:
     for other in re.findall(r'^#include "([^"]+)"', text, re.M):
         if not (source / other).is_file():
             faults.append(f"{name(file)} includes {other}: no file of the tree, seen from its root")
+    if re.search(r"^#include <hdf5", text, re.M) and name(file) != "io/study/hdf5_file.cpp":
+        faults.append(f"{name(file)} includes hdf5.h: only io/study/hdf5_file.cpp does")
     if re.search(r"^#include <sqlite3\.h>", text, re.M) and not name(file).startswith("io/study/"):
         faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
     if re.search(r"^ *# *include *<(oneapi/)?tbb/", text, re.M) and name(file) != "base/parallel.cpp":

@@ -11,6 +11,9 @@
 #include "src/base/error.h"
 #include "src/base/numbers.h"
 
+/// HDF5 would load filters that environment variables name. dea loads nothing.
+extern "C" void* __wrap_dlopen(const char*, int) { return nullptr; }
+
 namespace dea {
 
 namespace {
