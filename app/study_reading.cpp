@@ -109,7 +109,11 @@ std::vector<NamedPath> written_beside(const StudyArguments& a) {
 
 int end_study(const StudyHead& head, const StudyArguments& a, const std::string& summary) {
   if (!a.csv.empty()) write_csv(head.path, a.csv);
-  if (!a.hdf5.empty()) write_study_columns(head.path, a.hdf5);
+  if (!a.hdf5.empty()) {
+    write_study_columns(head.path, a.hdf5);
+    if (!quiet_altogether(a.findings))
+      log(fmt::format("{}: {} of {}", a.hdf5, count_cases(head.path).all(), plural(head.planned, "case")));
+  }
   write_study_report(a, head.path);
   if (!summary.empty() && !quiet_altogether(a.findings)) {
     log(summary);

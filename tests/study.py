@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import resource
 import signal
 import sqlite3
@@ -32,6 +33,14 @@ def small_model():
 
 
 BALL = small_model()
+
+
+def small_knee():
+    """Four contacts."""
+    subprocess.run([make_samples, "--knee", "4", kit / "knee.feb"], check=True)
+    text = (kit / "knee.feb").read_text()
+    (kit / "knee.feb").unlink()
+    return text
 
 
 class Folder:
@@ -484,10 +493,11 @@ def test_a_disk_without_room_and_then_with_more(f):
 TABLES = [  # what stands in a group of the columns: its query, and what tells its items apart
     ("/", "SELECT * FROM cases", ()),
     ("/", "SELECT DISTINCT case_id, state, time, outcome, iterations, residual_force, solved FROM results WHERE state", ()),
-    ("/", "SELECT * FROM statistics LEFT JOIN inside USING (case_id, state, contact_id)", ("contact_id", "contact")),
-    ("/parts", "SELECT * FROM parts LEFT JOIN inside_parts USING (case_id, state, contact_id, part_id)", ("contact_id", "part_id")),
-    ("/poses", "SELECT * FROM poses", ("body_id", "body"))]
-ELSEWHERE = {"case_id", "state", "model_id"}
+    ("/", "SELECT * FROM statistics LEFT JOIN inside USING (case_id, state, contact_id)", ("contact",)),
+    ("/parts", "SELECT * FROM parts LEFT JOIN inside_parts USING (case_id, state, contact_id, part_id)", ("contact", "part")),
+    ("/layers", "SELECT * FROM layers", ("layer",)), ("/soft_parts", "SELECT * FROM soft_parts", ("soft_part",)),
+    ("/poses", "SELECT * FROM poses", ("body",))]
+ELSEWHERE = {"case_id", "state", "model_id", "contact_id", "part_id", "layer_id", "soft_part_id", "body_id"}
 
 
 def columns_differ(f, study, file):
@@ -512,8 +522,13 @@ def columns_differ(f, study, file):
     with h5py.File(f.path / file) as h5, sqlite3.connect(f"file:{f.path / study}?mode=ro", uri=True) as connection:
         connection.row_factory = sqlite3.Row
         for place, sql, keys in TABLES:
-            rows, group = connection.execute(sql).fetchall(), h5[place]
-            of = {name: values(group[name]) for name in rows[0].keys() if name not in ELSEWHERE}
+            rows = connection.execute(sql).fetchall()
+            if not rows:
+                assert place not in h5, place
+                continue
+            group = h5[place]
+            of = {name: values(group[name]) for name in rows[0].keys() if name not in ELSEWHERE and name in group}
+            found += [(name, "is not there") for name in set(rows[0].keys()) - set(of) - ELSEWHERE if any(row[name] is not None for row in rows)]
             case_at = {number: i for i, number in enumerate(group["case"][()].tolist())}
             item_at = {key: i for i, key in enumerate(zip(*(of[key].tolist() for key in keys)))}
             for row in rows:
@@ -523,14 +538,15 @@ def columns_differ(f, study, file):
                     # what says of an item what it is stands over the items alone
                     place_of = item if value.ndim == 1 and keys else at + item
                     # a contact of the same name in two models may be between other bodies
-                    of_several = name in ("source", "target") and row[name] in value[place_of].split(",")
+                    of_several = name in ("source", "target") and row[name] in value[place_of].split("\n")
                     if not of_several and not same(value[place_of], row[name]):
                         found.append((name, place_of))
     return found
 
 
 def test_columns_have_the_numbers_of_the_file(f):
-    """Two models, several states, the inside, compartments, factors of numbers and of words, cases without a solution and refused."""
+    """Several models, of which two have their contacts in different orders, states, the inside, compartments, factors of
+    numbers and of words, cases without a solution and refused."""
     try:
         import h5py
         import zlib
@@ -538,12 +554,18 @@ def test_columns_have_the_numbers_of_the_file(f):
         print("        not tried: there is no h5py")
         return
     subprocess.run([make_samples, "--plateaus", "4", f.path / "plateaus.feb"], check=True)
+    knee = small_knee()
+    contacts = re.findall(r"<contact .*?</contact>", knee, re.S)
+    swapped = knee.replace(contacts[0], "FIRST").replace(contacts[1], contacts[0]).replace("FIRST", contacts[1])
+    f.write("knee.feb", knee)
+    f.write("swapped.feb", swapped)
     f.write("bad.feb", BALL[:5000])
-    f.run("ball.feb", "plateaus.feb", "bad.feb", "--facets", "flat", "--inside", "--vary", "E: E={8|12}", "--vary", "poisson: nu={0.4|0.45}",
+    f.run("ball.feb", "plateaus.feb", "knee.feb", "swapped.feb", "bad.feb", "--facets", "flat", "--inside", "--vary", "E: E={8|12}", "--vary", "poisson: nu={0.4|0.45}",
           "--vary", "spring: law={linear|layer}", "--keep", "fields", "-o", "plan.db", "--hdf5", "plan.h5", "-q", code=1)
     outcomes = {o for o, in f.query("plan.db", "SELECT case_outcome FROM cases")}
     assert {"refused", "solved"} <= outcomes, outcomes
-    assert f.query("plan.db", "SELECT count(*) FROM parts")[0][0] > 0, "no compartments"
+    for table in ("parts", "inside"):
+        assert f.query("plan.db", f"SELECT count(*) FROM {table}")[0][0] > 0, f"no {table}"
     differ = columns_differ(f, "plan.db", "plan.h5")
     assert differ == [], differ[:5]
     with h5py.File(f.path / "plan.h5", "r+") as h5:
@@ -558,10 +580,52 @@ def test_columns_have_the_numbers_of_the_file(f):
             differ = [(h5[name][place], row[name]) for place, row in zip(at, rows) if f"{h5[name][place]}" != f"{float(row[name] or 'nan')}"]
             assert differ == [], (name, differ)
         surfaces = list(h5["fields"].values())
-        assert len(surfaces) == 2
-        for case_id, state, pressure in f.query("plan.db", "SELECT case_id, state, pressure FROM fields"):
-            there = [s["pressure"][s["case"][()].tolist().index(case_id), state - 1] for s in surfaces if case_id in s["case"][()]]
-            assert len(there) == 1 and there[0].tobytes() == zlib.decompress(pressure), (case_id, state)
+        said = lambda s, name: s.attrs[name].decode() if isinstance(s.attrs[name], bytes) else s.attrs[name]  # noqa: E731
+        assert len(surfaces) == 6, [said(s, "surface") for s in surfaces]
+        assert len(contacts) == len(set(contacts)), contacts
+        for case_id, state, contact, source, pressure in f.query("plan.db", "SELECT case_id, state, contact, source, pressure FROM fields JOIN statistics USING "
+                                                               "(case_id, state, contact_id)"):
+            there = [s["pressure"][s["case"][()].tolist().index(case_id), state - 1] for s in surfaces
+                     if case_id in s["case"][()] and (said(s, "contact"), said(s, "source")) == (contact, source)]
+            assert len(there) == 1 and there[0].tobytes() == zlib.decompress(pressure), (case_id, state, contact)
+        solved = dict(((case_id, state), solved) for case_id, state, solved in f.query("plan.db", "SELECT case_id, state, solved FROM results"))
+        assert {0, 1} <= set(solved.values()), solved
+        for s in surfaces:
+            for i, case_id in enumerate(s["case"][()].tolist()):
+                assert s["solved"][i].tolist() == [solved.get((case_id, state), 0) for state in s["state"][()].tolist()], case_id
+        assert said(h5, "cases") == "40 of 40 of the study", said(h5, "cases")
+
+
+def test_columns_of_parts_that_give_way(f):
+    try:
+        import h5py  # noqa: F401
+    except ImportError:
+        print("        not tried: there is no h5py")
+        return
+    subprocess.run([make_samples, "--menisci", "8", f.path / "menisci.feb"], check=True)
+    f.run("menisci.feb", "--vary", "E: E={8|12}", "--states", "last", "-o", "plan.db", "--hdf5", "plan.h5", "-q")
+    assert f.query("plan.db", "SELECT count(*) FROM soft_parts")[0][0] == 4
+    assert columns_differ(f, "plan.db", "plan.h5") == []
+
+
+def test_columns_of_contacts_of_one_name(f):
+    try:
+        import h5py
+    except ImportError:
+        print("        not tried: there is no h5py")
+        return
+    knee = small_knee()
+    first, second, *_ = re.findall(r'<contact name="([^"]+)"', knee)
+    f.write("knee.feb", knee.replace(f'<contact name="{second}"', f'<contact name="{first}"'))
+    line = ["knee.feb", *LAW, "--vary", "E: E={8|12}", "--states", "last", "-q"]
+    f.run(*line, "-o", "plan.db", "--hdf5", "plan.h5")
+    with h5py.File(f.path / "plan.h5") as h5:
+        found = h5["headline_p99"][()]
+        assert sorted(h5["contact"].asstr()[()].tolist()).count(first) == 2
+    assert sorted(found.ravel().tolist()) == sorted(p for p, in f.query("plan.db", "SELECT headline_p99 FROM statistics"))
+    f.run(*line, "--keep", "fields", "-o", "kept.db")
+    if len(f.query("kept.db", "SELECT * FROM surfaces")) < len(f.query("kept.db", "SELECT DISTINCT contact_id FROM fields")):
+        expect(f.fault("kept.db", "--hdf5", "kept.h5", code=3), f'found two contacts of the name "{first}"', "expected other names")
 
 
 def test_columns_are_netcdf(f):

@@ -108,6 +108,30 @@ def loaded(site):
                 yield path.relative_to(site), address
 
 
+def mend_scripts(site):
+    """Debian's theme names scripts that its package has not: another version of jQuery, and two that nothing needs."""
+    jquery = next((site / "js").glob("jquery-*.min.js")).name
+
+    def script(match, page):
+        if (page.parent / match[1]).exists():
+            return match[0]
+        return match[0].replace(os.path.basename(match[1]), jquery) if "jquery" in match[1] else ""
+
+    for page in site.rglob("*.html"):
+        text = page.read_text(errors="surrogateescape")
+        mended = re.sub(r'<script src="([^":]+)"[^>]*></script>', lambda match, page=page: script(match, page), text)
+        if mended != text:
+            page.write_text(mended, errors="surrogateescape")
+
+
+def missing(site):
+    """What pages load that is not there: (page, name)."""
+    for page in sorted(site.rglob("*.html")):
+        for name in re.findall(r"""<(?:script|img|link)\b[^>]*?\b(?:src|href)=["']([^"':?#]+)["'?#]""", page.read_text(errors="replace")):
+            if not (page.parent / name).exists() and page.name != "404.html":
+                yield page.relative_to(site), name
+
+
 if len(sys.argv) != 2 or not (pathlib.Path(sys.argv[1]) / "CMakeCache.txt").is_file():
     sys.exit(__doc__)
 build = pathlib.Path(sys.argv[1]).resolve()
@@ -126,6 +150,9 @@ photographs(build, work)
 cpp_reference(build, work)
 python_reference(build, work)
 run("mkdocs", "build", "--strict", "--quiet", "-f", work / "mkdocs.yml", "-d", site)
+mend_scripts(site)
+if lacking := [f"{page}: {name}" for page, name in missing(site)]:
+    fail("pages load what is not there:\n" + "\n".join(lacking[:20]))
 elsewhere = [f"{page}: {address}" for page, address in loaded(site)]
 if elsewhere:
     fail("pages load what is elsewhere:\n" + "\n".join(elsewhere))

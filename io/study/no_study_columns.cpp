@@ -6,8 +6,8 @@ namespace dea {
 
 void check_columns_possible() {
   throw UsageError(
-      "--hdf5: this dea is made without HDF5; --csv writes the same numbers, and read_study(\"plan.db\").to_xarray() of "
-      "the Python module has them as columns");
+      "--hdf5: this dea was made without HDF5. --csv writes the numbers of contacts; in Python "
+      "read_study(\"plan.db\").to_xarray() has them as columns");
 }
 
 void write_study_columns(const std::string&, const std::string&) { check_columns_possible(); }

@@ -18,6 +18,7 @@ namespace dea {
 
 namespace {
 
+const std::vector<std::string> kSolvedWords = {"no", "yes"};
 constexpr std::size_t kBlockValues = 1 << 16;  ///< of a variable, written at a time: half a megabyte of numbers
 
 /// A column of a query, and the variable it becomes.
@@ -28,7 +29,7 @@ struct Column {
 };
 
 /// What a query finds, as variables: its rows come in the order of their cases, and are written a block of cases at a
-/// time, so that memory does not grow with the study.
+/// time, so that memory does not grow with them.
 class Pass {
  public:
   /// The first of `dimensions` is that of the cases.
@@ -66,7 +67,10 @@ class Pass {
  private:
   static double number_of(const Column& column, const std::string& word) {
     const auto found = std::find(column.words.begin(), column.words.end(), word);
-    return found == column.words.end() ? 0.0 : static_cast<double>(found - column.words.begin());
+    if (found == column.words.end())
+      throw InputError(fmt::format("found {} = \"{}\" in a study, expected one of {}", column.name, word,
+                                   fmt::join(column.words, ", ")));
+    return static_cast<double>(found - column.words.begin());
   }
 
   std::size_t count() const { return std::min(block_, cases_ - begin_); }
@@ -131,14 +135,17 @@ std::vector<Hdf5Dimension> cases_and_states(const Columns& c, const Hdf5Object& 
 
 /// Of the study as a whole. What tells cases and states apart is named as coordinates, which xarray takes them for.
 void write_head(const Columns& c, const std::vector<std::string>& factors) {
+  const Database& d = c.database;
   const auto say = [&](const char* name, const std::string& text) { c.file.attribute(c.file.root(), name, text); };
   std::string coordinates = "model";
   for (const std::string& factor : factors) coordinates += " " + factor;
   say("schema", "dea.study-columns/1");
-  for (Statement row(c.database, "SELECT value FROM study WHERE key = 'version'"); row.step();)
+  for (Statement row(d, "SELECT value FROM study WHERE key = 'version'"); row.step();)
     say("program", "FEBioDEA " + row.text(0));
+  for (Statement row(d, "SELECT value FROM study WHERE key = 'cases'"); row.step();)
+    say("cases", fmt::format("{} of {} of the study", c.cases.size(), row.text(0)));
   std::string options;
-  for (Statement row(c.database, "SELECT text FROM options ORDER BY number"); row.step();)
+  for (Statement row(d, "SELECT text FROM options ORDER BY number"); row.step();)
     options += (options.empty() ? "" : "\n") + row.text(0);
   say("options", options);
   say("coordinates", coordinates + " time solved");
@@ -176,7 +183,7 @@ void write_states(const Columns& c, const std::vector<Hdf5Dimension>& of_state) 
   Pass pass(c.file, c.file.root(), of_state,
             {{"time"},
              {"outcome", Hdf5Type::Word, outcomes},
-             {"solved", Hdf5Type::Word, {"no", "yes"}},
+             {"solved", Hdf5Type::Word, kSolvedWords},
              {"message", Hdf5Type::Text},
              {"iterations"},
              {"residual_force"},
@@ -193,22 +200,24 @@ void write_states(const Columns& c, const std::vector<Hdf5Dimension>& of_state) 
 struct ItemTable {
   const char* table;
   const char* inside;                  ///< what its layers' inside is in; empty: nothing
-  std::vector<const char*> keys;       ///< the columns that tell items apart; the last one is the name of an item
-  std::vector<const char*> says = {};  ///< more of the item
+  std::vector<std::string> ids;        ///< the columns of an item's numbers in its case
+  std::vector<std::string> names;      ///< those of its names, the last one its own
+  std::vector<std::string> says = {};  ///< more of the item
 };
-const std::vector<ItemTable> kItemTables = {{"statistics", "inside", {"contact_id", "contact"}, {"source", "target"}},
-                                            {"parts", "inside_parts", {"contact_id", "contact", "part_id", "part"}},
-                                            {"layers", "", {"layer_id", "layer"}},
-                                            {"soft_parts", "", {"soft_part_id", "soft_part"}},
-                                            {"poses", "", {"body_id", "body"}}};
+const std::vector<ItemTable> kItemTables = {{"statistics", "inside", {"contact_id"}, {"contact"}, {"source", "target"}},
+                                            {"parts", "inside_parts", {"contact_id", "part_id"}, {"contact", "part"}},
+                                            {"layers", "", {"layer_id"}, {"layer"}},
+                                            {"soft_parts", "", {"soft_part_id"}, {"soft_part"}},
+                                            {"poses", "", {"body_id"}, {"body"}}};
 
 /// The columns of a table that hold numbers.
 std::vector<std::string> number_names(const Database& d, const ItemTable& t, const std::string& table) {
   std::vector<std::string> names;
-  const auto is = [](const std::string& name) { return [&name](const char* other) { return name == other; }; };
+  const auto is_of = [](const std::string& name, const std::vector<std::string>& all) {
+    return std::find(all.begin(), all.end(), name) != all.end();
+  };
   for (const std::string& name : column_names(d, "SELECT * FROM " + table))
-    if (name != "case_id" && name != "state" && std::none_of(t.keys.begin(), t.keys.end(), is(name)) &&
-        std::none_of(t.says.begin(), t.says.end(), is(name)))
+    if (!is_of(name, {"case_id", "state"}) && !is_of(name, t.ids) && !is_of(name, t.names) && !is_of(name, t.says))
       names.push_back(name);
   return names;
 }
@@ -218,35 +227,42 @@ bool has_rows(const Database& d, const std::string& table) {
          integers(d, fmt::format("SELECT count(*) FROM (SELECT 1 FROM {} LIMIT 1)", table)).front() > 0;
 }
 
+/// The columns that tell items apart: their names, which models may have in different orders, and their numbers only
+/// where a state has two of one name.
+std::vector<std::string> key_columns(const Database& d, const ItemTable& t) {
+  std::vector<std::string> keys = t.names;
+  Statement twice(d, fmt::format("SELECT 1 FROM {} GROUP BY case_id, state, {} HAVING count(*) > 1 LIMIT 1", t.table,
+                                 fmt::join(t.names, ", ")));
+  if (twice.step()) keys.insert(keys.begin(), t.ids.begin(), t.ids.end());
+  return keys;
+}
+
 /// The items of all cases by their keys: where each stands along `dimension`, which is made with what they are.
-std::map<std::vector<std::string>, std::size_t> write_items(const Columns& c, const ItemTable& t, const Hdf5Object& in,
+std::map<std::vector<std::string>, std::size_t> write_items(const Columns& c, const ItemTable& t,
+                                                            const std::vector<std::string>& keys, const Hdf5Object& in,
                                                             Hdf5Dimension& dimension) {
-  const std::string keys = fmt::format("{}", fmt::join(t.keys, ", "));
-  std::string says;
-  for (const char* name : t.says) says += fmt::format(", group_concat(DISTINCT {})", name);
-  std::vector<const char*> names = t.keys;
+  std::string says, order;
+  for (const std::string& name : t.says)  // of several models: one a line
+    says += fmt::format(
+        ", replace(replace(group_concat(DISTINCT replace({}, ',', char(1))), ',', char(10)), char(1), ',')", name);
+  for (const std::string& id : t.ids) order += fmt::format("{}min({})", order.empty() ? "" : ", ", id);
+  std::vector<std::string> names = keys;
   names.insert(names.end(), t.says.begin(), t.says.end());
   std::map<std::vector<std::string>, std::size_t> items;
   std::vector<std::vector<std::string>> columns(names.size());
-  Statement row(c.database, fmt::format("SELECT {0}{1} FROM {2} GROUP BY {0} ORDER BY {0}", keys, says, t.table));
+  Statement row(c.database, fmt::format("SELECT {0}{1} FROM {2} GROUP BY {0} ORDER BY {3}, {0}", fmt::join(keys, ", "),
+                                        says, t.table, order));
   while (row.step()) {
+    for (std::size_t i = 0; i < names.size(); ++i) columns[i].push_back(row.text(static_cast<int>(i)));
     std::vector<std::string> key;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      columns[i].push_back(row.text(static_cast<int>(i)));
-      if (i < t.keys.size()) key.push_back(columns[i].back());
-    }
+    for (std::size_t i = 0; i < keys.size(); ++i) key.push_back(columns[i].back());
     items.insert({key, items.size()});
   }
-  dimension = c.file.dimension(in, t.keys.back(), columns[t.keys.size() - 1]);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i + 1 == t.keys.size()) continue;
-    const bool id = std::string(names[i]).ends_with("_id");
-    const Hdf5Variable v =
-        c.file.variable(in, names[i], id ? Hdf5Type::Integer : Hdf5Type::Text, {dimension}, dimension.size);
-    std::vector<double> numbers;
-    for (const std::string& text : columns[i]) numbers.push_back(id ? std::stod(text) : kNaN);
-    id ? c.file.write(v, 0, dimension.size, numbers) : c.file.write(v, 0, dimension.size, columns[i]);
-  }
+  dimension = c.file.dimension(in, keys.back(), columns[keys.size() - 1]);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (i + 1 != keys.size())
+      c.file.write(c.file.variable(in, names[i], Hdf5Type::Text, {dimension}, dimension.size), 0, dimension.size,
+                   columns[i]);
   return items;
 }
 
@@ -258,14 +274,12 @@ void write_item_table(const Columns& c, std::vector<Hdf5Dimension> dimensions, c
   const Hdf5Object in = root ? c.file.root() : c.file.group(c.file.root(), t.table);
   if (!root) dimensions = cases_and_states(c, in, c.cases);
   Hdf5Dimension of_item;
-  const auto items = write_items(c, t, in, of_item);
+  const std::vector<std::string> keys = key_columns(d, t);
+  const auto items = write_items(c, t, keys, in, of_item);
   std::vector<std::string> names = number_names(d, t, t.table);
   std::string from = t.table;
   if (has_rows(d, t.inside)) {
-    from += fmt::format(" LEFT JOIN {} USING (case_id, state", t.inside);
-    for (const std::string key : t.keys)
-      if (key.ends_with("_id")) from += ", " + key;
-    from += ")";
+    from += fmt::format(" LEFT JOIN {} USING (case_id, state, {})", t.inside, fmt::join(t.ids, ", "));
     for (std::string& name : number_names(d, t, t.inside)) names.push_back(std::move(name));
   }
   std::string numbers;
@@ -276,9 +290,9 @@ void write_item_table(const Columns& c, std::vector<Hdf5Dimension> dimensions, c
   }
   dimensions.push_back(of_item);
   Pass pass(c.file, in, dimensions, columns);
-  std::vector<std::string> key(t.keys.size());
-  Statement row(
-      d, fmt::format("SELECT case_id, state, {}{} FROM {} ORDER BY 1, 2", fmt::join(t.keys, ", "), numbers, from));
+  std::vector<std::string> key(keys.size());
+  Statement row(d,
+                fmt::format("SELECT case_id, state, {}{} FROM {} ORDER BY 1, 2", fmt::join(keys, ", "), numbers, from));
   while (row.step()) {
     for (std::size_t i = 0; i < key.size(); ++i) key[i] = row.text(static_cast<int>(i) + 2);
     const auto state = static_cast<std::size_t>(row.integer(1) - 1);
@@ -290,19 +304,25 @@ void write_item_table(const Columns& c, std::vector<Hdf5Dimension> dimensions, c
 
 /// A surface with pressures at its vertices, and the cases that have it; those written a block at a time.
 struct Sheet {
-  std::string contact, source, surface, vertices, triangles;  ///< the last two packed, as in the study's file
-  std::vector<std::int64_t> cases;                            ///< their numbers, in ascending order
-  Hdf5Variable pressure;
-  std::size_t of_case = 0, block = 1, begin = 0;
-  std::vector<float> values;
+  std::int64_t model = 0;  ///< whose surface it is, of several that have the same
+  std::string contact, source;
+  std::vector<std::int64_t> cases = {};  ///< their numbers, in ascending order
+  Hdf5Variable pressure = {}, solved = {};
+  std::size_t of_case = 0, block = 1, begin = 0;  ///< values of a case; cases of a block; cases that are written
+  std::vector<float> values = {};                 ///< of the block that is begun
+  std::vector<double> solutions = {};
+  std::pair<std::int64_t, std::int64_t> last = {};  ///< case and state
 };
 
 void begin_sheet(const Columns& c, Sheet& s, const Hdf5Object& in) {
-  const std::vector<double> vertices = unpacked<double>(c.database, s.vertices);
-  const std::vector<std::int32_t> triangles = unpacked<std::int32_t>(c.database, s.triangles);
+  Statement of(c.database,
+               "SELECT surface, vertices, triangles FROM surfaces WHERE model_id = ? AND contact = ? AND source = ?");
+  of.bind(s.model).bind(s.contact).bind(s.source).step();
+  const std::vector<double> vertices = unpacked<double>(c.database, of.bytes(1));
+  const std::vector<std::int32_t> triangles = unpacked<std::int32_t>(c.database, of.bytes(2));
   c.file.attribute(in, "contact", s.contact);
   c.file.attribute(in, "source", s.source);
-  c.file.attribute(in, "surface", s.surface);
+  c.file.attribute(in, "surface", of.text(0));
   std::vector<Hdf5Dimension> dimensions = cases_and_states(c, in, s.cases);
   const Hdf5Dimension vertex = c.file.dimension(in, "vertex", counted(vertices.size() / 3)),
                       triangle = c.file.dimension(in, "triangle", counted(triangles.size() / 3)),
@@ -315,37 +335,70 @@ void begin_sheet(const Columns& c, Sheet& s, const Hdf5Object& in) {
                std::vector<double>(triangles.begin(), triangles.end()));
   s.of_case = c.states.size() * vertex.size;
   s.block = std::clamp<std::size_t>(kBlockValues / std::max<std::size_t>(1, s.of_case), 1, s.cases.size());
+  s.solved = c.file.variable(in, "solved", Hdf5Type::Word, {dimensions[0], dimensions[1]}, s.block);
+  c.file.words(s.solved, kSolvedWords);
   s.pressure = c.file.variable(in, "pressure", Hdf5Type::Float, dimensions, s.block);
 }
 
-/// Writes the block that ends before case `end` of the sheet, and begins the next.
+/// Writes the block that is begun, what is lacking in it as NaN, and begins the next.
 void write_block(const Columns& c, Sheet& s) {
   const std::size_t count = std::min(s.block, s.cases.size() - s.begin);
   s.values.resize(count * s.of_case, static_cast<float>(kNaN));
+  s.solutions.resize(count * c.states.size(), 0.0);
   c.file.write(s.pressure, s.begin, count, s.values);
+  c.file.write(s.solved, s.begin, count, s.solutions);
   s.begin += count;
   s.values.clear();
+  s.solutions.clear();
+}
+
+/// A row's pressures, at `column`, and whether its state is a solution behind them.
+void add_field(const Columns& c, Sheet& s, const Statement& row, int column) {
+  const std::vector<float> pressure = unpacked<float>(c.database, row.bytes(column));
+  const std::size_t vertices = s.of_case / c.states.size(), index = index_of(s.cases, row.integer(0));
+  if (pressure.size() != vertices)
+    throw InputError(fmt::format("{}: found {} pressures of a surface of {} vertices (case {}), expected as many",
+                                 c.database.path(), pressure.size(), vertices, row.integer(0)));
+  const std::pair here(row.integer(0), row.integer(1));
+  if (here == s.last)
+    throw InputError(
+        fmt::format("{}: found two contacts of the name \"{}\" with springs on \"{}\" (case {}), expected "
+                    "other names: which of them a field is of cannot be told",
+                    c.database.path(), s.contact, s.source, here.first));
+  s.last = here;
+  while (index >= s.begin + s.block) write_block(c, s);
+  const std::size_t at = (index - s.begin) * c.states.size() + static_cast<std::size_t>(row.integer(1) - 1);
+  s.values.resize(std::max(s.values.size(), (at + 1) * vertices), static_cast<float>(kNaN));
+  s.solutions.resize(std::max(s.solutions.size(), at + 1), 0.0);
+  std::copy(pressure.begin(), pressure.end(), s.values.begin() + static_cast<std::ptrdiff_t>(at * vertices));
+  s.solutions[at] = row.number(column + 1);
+}
+
+/// Writes what is left, and gives its memory free.
+void end_sheet(const Columns& c, Sheet& s) {
+  while (s.begin < s.cases.size()) write_block(c, s);
+  s = {};
 }
 
 void write_fields(const Columns& c) {
   if (!has_rows(c.database, "fields")) return;
   std::vector<Sheet> sheets;
-  std::map<std::tuple<std::int64_t, std::string, std::string>, std::size_t>
-      sheet_of;  // of a model's contact and source
+  std::map<std::tuple<std::int64_t, std::string, std::string>, std::size_t> sheet_of;  // of a model's contact, source
   std::map<std::vector<std::string>, std::size_t> same;
   for (Statement row(c.database,
                      "SELECT model_id, contact, source, surface, vertices, triangles FROM surfaces ORDER BY 1, 2, 3");
        row.step();) {
-    const Sheet s{row.text(1), row.text(2), row.text(3), row.bytes(4), row.bytes(5), {}, {}, 0, 1, 0, {}};
-    const auto [found, is_new] =
-        same.insert({{s.contact, s.source, s.surface, s.vertices, s.triangles}, sheets.size()});
+    const Sheet s{row.integer(0), row.text(1), row.text(2)};
+    const auto [found, is_new] = same.insert(
+        {{s.contact, s.source, row.text(3), bytes_digest(row.bytes(4)), bytes_digest(row.bytes(5))}, sheets.size()});
     if (is_new) sheets.push_back(s);
-    sheet_of[{row.integer(0), s.contact, s.source}] = found->second;
+    sheet_of[{s.model, s.contact, s.source}] = found->second;
   }
-  const auto each_field = [&](const char* more, const auto& take) {
+  const auto each_field = [&](const std::string& more, const auto& take) {
     Statement row(c.database,
                   fmt::format("SELECT f.case_id, f.state, c.model_id, t.contact, t.source{} FROM fields f JOIN cases c "
-                              "USING (case_id) JOIN statistics t USING (case_id, state, contact_id) ORDER BY 1, 2",
+                              "USING (case_id) JOIN states s USING (case_id, state) JOIN statistics t USING (case_id, "
+                              "state, contact_id) ORDER BY 1, 2",
                               more));
     while (row.step()) take(sheets[sheet_of.at({row.integer(2), row.text(3), row.text(4)})], row);
   };
@@ -353,21 +406,21 @@ void write_fields(const Columns& c) {
     if (s.cases.empty() || s.cases.back() != row.integer(0)) s.cases.push_back(row.integer(0));
   });
   const Hdf5Object fields = c.file.group(c.file.root(), "fields");
-  for (std::size_t i = 0; i < sheets.size(); ++i)
-    if (!sheets[i].cases.empty()) begin_sheet(c, sheets[i], c.file.group(fields, fmt::format("surface_{}", i + 1)));
-  each_field(", f.pressure", [&](Sheet& s, const Statement& row) {
-    const std::vector<float> pressure = unpacked<float>(c.database, row.bytes(5));
-    const std::size_t index = index_of(s.cases, row.integer(0)), vertices = s.of_case / c.states.size();
-    if (pressure.size() != vertices)
-      throw InputError(fmt::format("{}: found {} pressures of a surface of {} vertices (case {}), expected as many",
-                                   c.database.path(), pressure.size(), vertices, row.integer(0)));
-    while (index >= s.begin + s.block) write_block(c, s);
-    const std::size_t at = (index - s.begin) * s.of_case + static_cast<std::size_t>(row.integer(1) - 1) * vertices;
-    if (s.values.size() < at + vertices) s.values.resize(at + vertices, static_cast<float>(kNaN));
-    std::copy(pressure.begin(), pressure.end(), s.values.begin() + static_cast<std::ptrdiff_t>(at));
+  std::vector<Sheet*> of_case;  // those of the last row's case
+  std::int64_t last = 0;
+  const auto end_case = [&] {
+    for (Sheet* s : of_case)
+      if (s->cases.back() == last) end_sheet(c, *s);
+    of_case.clear();
+  };
+  each_field(fmt::format(", f.pressure, {}", solved_condition("s")), [&](Sheet& s, const Statement& row) {
+    if (row.integer(0) != last) end_case();
+    last = row.integer(0);
+    if (!s.pressure.dataset) begin_sheet(c, s, c.file.group(fields, fmt::format("surface_{}", &s - sheets.data() + 1)));
+    if (std::find(of_case.begin(), of_case.end(), &s) == of_case.end()) of_case.push_back(&s);
+    add_field(c, s, row, 5);
   });
-  for (Sheet& s : sheets)
-    while (s.begin < s.cases.size()) write_block(c, s);
+  end_case();
 }
 
 void write_columns(const Database& d, const Hdf5File& file) {

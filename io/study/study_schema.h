@@ -10,7 +10,7 @@ namespace dea {
 
 /// "DEAS": what `file` and SQLite call the application_id.
 inline constexpr int kStudyApplication = 0x44454153;
-/// The number in "dea.study/1", and the database's user_version. Later programs only add tables and columns to it.
+/// The number in "dea.study/2", and the database's user_version. Later programs only add tables and columns to it.
 inline constexpr int kStudyVersion = 2;
 
 /// Those of a file, in the order in which rows may be added, the ones that others refer to first.

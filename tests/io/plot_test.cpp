@@ -481,10 +481,17 @@ TEST(MapFigure, TheLoadHasTheSizeAndDirectionOfTheForce) {
   ASSERT_TRUE(panel.load && panel.center_of_pressure);
   EXPECT_NEAR(panel.load->x(), 0, 1e-12);
   EXPECT_NEAR(panel.load->y(), -std::sin(a), 1e-12);
-  EXPECT_EQ(panel.load_text, "1000 N");  // 2.5 MPa on 20 mm x 20 mm
+  EXPECT_EQ(panel.numbers.back(), "load 1000 N");  // 2.5 MPa on 20 mm x 20 mm
+  EXPECT_TRUE(panel.numbers.front().ends_with(", peak 2.5 MPa, load 1000 N")) << panel.numbers.front();
   EXPECT_LT((*panel.center_of_pressure - on_map(f.surfaces[0].view, Vector3d(30, 30, 0))).norm(), 1e-6);
   EXPECT_TRUE(f.signs.load);
-  o.unrolled = false;
+  MapOptions above = o;  // along the force: its size alone
+  above.toward = above.up = Vector3d::UnitZ();
+  above.body = {above.up, Vector3d::UnitY(), ""};  // what is anterior is on top then
+  const MapFigure seen_from_above = make_map_figure({file}, nullptr, above);
+  EXPECT_FALSE(seen_from_above.panels[0].load || seen_from_above.signs.load);
+  EXPECT_EQ(seen_from_above.panels[0].numbers.back(), "load 1000 N");
+  EXPECT_EQ(seen_from_above.surfaces[0].edges, (EdgeNames{"right", "anterior", "left", "posterior"}));
   o.load = false;
   EXPECT_FALSE(make_map_figure({file}, nullptr, o).panels[0].load);
   o.load = true;
@@ -514,7 +521,7 @@ TEST(MapFigure, TheLoadOfASolvedSphereIsItsContactForce) {
   ASSERT_TRUE(panel.load);
   EXPECT_NEAR(panel.load->x(), 0, 2e-3);  // the mesh is not quite even about the axis
   EXPECT_NEAR(panel.load->y(), -std::sqrt(0.5), 2e-3);
-  EXPECT_NEAR(std::stod(panel.load_text) / force, 1, 0.01);
+  EXPECT_NEAR(std::stod(panel.numbers.back().substr(5)) / force, 1, 0.01);
 }
 
 // What is anterior lies to the right for who looks at the body from its right side, to the left from its left side.

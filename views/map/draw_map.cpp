@@ -270,23 +270,17 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
 }
 
 /// The load comes from outside, along the force, to the centre of pressure. It is short where the force is nearly along
-/// the view; one that would be too short, also for want of `room` [px], is left out.
-void draw_load(Pen& pen, const Placing& place, const MapPanel& panel, const Box& room, const Paper& paper,
-               double marks) {
+/// the view; one that would be too short for want of `room` [px] is left out.
+void draw_load(Pen& pen, const Placing& place, const MapPanel& panel, const Box& room, double marks) {
   if (!panel.load) return;
   const Vector2d tip = place(*panel.center_of_pressure), back(-panel.load->x(), panel.load->y());
   double length = 0.5 * room.sizes().maxCoeff();
-  pen.font(12.5);
-  const Vector2d half(0.5 * pen.width(panel.load_text) + 2, 8);
-  for (int k = 0; k < 2; ++k) {  // the words behind its tail are in the room too
-    const double left = back[k] > 0 ? room.max()[k] - half[k] - tip[k] : tip[k] - half[k] - room.min()[k];
-    if (std::abs(back[k]) > 0) length = std::min(length, left / std::abs(back[k]) - 2.0 * half[k]);
+  for (int k = 0; k < 2; ++k) {
+    const double left = back[k] > 0 ? room.max()[k] - tip[k] : tip[k] - room.min()[k];
+    if (std::abs(back[k]) > 0) length = std::min(length, left / std::abs(back[k]));
   }
   if (!(length * back.norm() > 26.0 * marks)) return;
-  const Vector2d tail = tip + length * back, words = tail + back.normalized().cwiseProduct(half);
-  arrow(pen, tail, tip + 8.0 * marks * back.normalized(), marks);  // the cross stays free
-  pen.use(paper.text);
-  pen.text_on(words.x() - half.x() + 2, words.y() + 4.5, panel.load_text, paper.background);
+  arrow(pen, tip + length * back, tip + 8.0 * marks * back.normalized(), marks);  // the cross stays free
 }
 
 /// Directions of the body beyond the map's edges, in `room` [px].
@@ -324,7 +318,7 @@ void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const M
   if (s.view.unrolled) draw_angles(pen, place, panel, s, extent(s), paper);
   draw_edges(pen, s.edges, room, paper);
   const double edge = s.edges == EdgeNames() ? 0.0 : kEdgeNames;
-  draw_load(pen, place, panel, {room.min().array() + edge, room.max().array() - edge}, paper, marks);
+  draw_load(pen, place, panel, {room.min().array() + edge, room.max().array() - edge}, marks);
   if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure), marks);
   if (panel.peak) peak_marker(pen, place(*panel.peak), marks);
 }

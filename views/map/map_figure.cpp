@@ -22,6 +22,7 @@ namespace dea {
 namespace {
 
 constexpr int kMostPanels = 100;
+constexpr double kShortestLoad = 0.25;  ///< of its length, as it is seen
 
 /// Three digits, as on paper.
 std::string number(double x, bool plus = false) {
@@ -251,9 +252,12 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   if (!(force > 0)) return;
   panel.center_of_pressure = on_map(s.view, center / force);
   if (!figure.signs.load || !(resultant.norm() > 0)) return;
-  panel.load = Vector2d(s.view.right.dot(resultant), s.view.up.dot(resultant)) / resultant.norm();
-  panel.load_text =
-      four_digits(resultant.norm()) + (figure.force_unit.empty() ? "" : fmt::format(" {}", figure.force_unit));
+  const Vector2d seen = Vector2d(s.view.right.dot(resultant), s.view.up.dot(resultant)) / resultant.norm();
+  if (seen.norm() > kShortestLoad) panel.load = seen;
+  const std::string size = fmt::format("load {}{}{}", four_digits(resultant.norm()),
+                                       figure.force_unit.empty() ? "" : " ", figure.force_unit);
+  panel.numbers = {fmt::format("{}, {}", panel.numbers[0], size), fmt::format("{}, {}", area_of, size),
+                   fmt::format("{}, {}", p99 + unit, size), size};
 }
 
 const std::vector<double>& shown(const MapFigure& figure, const MapValues& values) {
@@ -624,7 +628,11 @@ MapView choose_view(const Work& r, const MapSurface& s, const std::vector<double
     return view;
   }
   const Vector3d toward = o.toward ? *o.toward : default_direction(s.surface, load);
-  if (o.up.norm() > 0 && !(o.up.normalized().cross(toward.normalized()).norm() > 1e-3))
+  const auto along = [&](const Vector3d& up) { return !(up.normalized().cross(toward.normalized()).norm() > 1e-3); };
+  const Vector3d& front = o.body.anterior;  // a body that is seen from above has its front on top
+  if (o.up.norm() > 0 && along(o.up) && front.norm() > 0)
+    return view_from(toward, front - front.dot(o.up.normalized()) * o.up.normalized());
+  if (o.up.norm() > 0 && along(o.up))
     throw UsageError(fmt::format("--up {:g},{:g},{:g}: is along the view, expected a direction across it", o.up[0],
                                  o.up[1], o.up[2]));
   return view_from(toward, o.up);
@@ -720,6 +728,7 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
     if (!panel.center_of_pressure) panel.load.reset();
     panel.peak = place_of(figure, s, largest(figure, panel));
   }
+  figure.signs.load = std::any_of(figure.panels.begin(), figure.panels.end(), [](const MapPanel& p) { return p.load; });
 }
 
 }  // namespace

@@ -51,7 +51,6 @@ struct MapPanel {
   double edge = 0.0;  ///< smooth: the level of `points` that encloses as much area as the facets with a value
   std::optional<Vector2d> peak, center_of_pressure;  ///< on the map; none where not to be seen
   std::optional<Vector2d> load;  ///< direction of the force on this surface, on the map: shorter than 1 as it is turned
-  std::string load_text;         ///< its size
 };
 
 /// What the legend explains: what panels have.
