@@ -10,8 +10,8 @@ namespace dea {
 namespace {
 
 constexpr const char* kSchemaFooter = R"(
-Prints a JSON Schema (draft 2020-12) of what a command writes with --json: every key, its type, unit and meaning, and when it is
-null. `settings` is that of the settings, with their defaults and how each is given. Without a name, lists what there is.
+Prints a JSON Schema (draft 2020-12) of what a command writes with --json: the keys of docs/results.md, their types, units and meanings,
+and when they are null. `settings` is that of the settings, with their defaults and how each is given. Without a name, lists what there is.
 
 Examples:
   dea schema                      the names

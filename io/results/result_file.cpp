@@ -68,8 +68,10 @@ bool is_solution(const ResultFile& result, int state) {
 constexpr const char* kNoSolution = "is no solution; do not use its numbers";
 
 std::string newer_note(const ResultFile& result) {
-  return fmt::format("note: {}: a plot file of version {:#x}; dea knows up to {:#x} and passes over what is new",
-                     result.path, result.xplt.version, XpltFile().version);
+  return fmt::format(
+      "note: {}: a plot file of version {:#x}; dea knows up to {:#x} and passes over what is new: {} part{}",
+      result.path, result.xplt.version, XpltFile().version, result.xplt.passed_over,
+      result.xplt.passed_over == 1 ? "" : "s");
 }
 
 std::string no_solution_warning(const ResultFile& result, int state) {

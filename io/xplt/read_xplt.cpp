@@ -40,6 +40,7 @@ struct Source {
   const std::string* bytes = nullptr;
   bool swapped = false;                           // written on a big-endian machine
   std::uint32_t version = kNewestVersion;         // of the plot file
+  std::size_t* passed_over = nullptr;             // counts unknown chunks
   std::optional<std::size_t> unpacked_from = {};  // the bytes were compressed; offset of their zlib stream
 };
 
@@ -106,8 +107,8 @@ void for_each_child(const Chunk& branch, Read read) {
 
 // A newer file may have chunks that came later than this reader: they are passed over. In another file they are damage.
 void pass_over_unknown(const Chunk& chunk, const char* where) {
-  if (is_newer(*chunk.source)) return;
-  fail_header(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
+  if (!is_newer(*chunk.source)) fail_header(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
+  if (chunk.source->passed_over != nullptr) ++*chunk.source->passed_over;
 }
 
 void require_size(const Chunk& leaf, std::size_t size) {
@@ -682,8 +683,10 @@ void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
     XpltMesh mesh = read_mesh(chunk, file.version);
     if (!mesh.objects.empty()) fail(chunk, "objects in another mesh than the first");
     file.meshes.push_back(std::move(mesh));
-  } else if (!is_newer(*chunk.source)) {
-    fail_header(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
+  } else {
+    if (!is_newer(*chunk.source))
+      fail_header(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
+    pass_over_unknown(chunk, "the file");
   }
 }
 
@@ -721,6 +724,7 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
   if (u32_at(source, 0) != kMagic) fail(source, 0, "not an FEBio plot file");
 
   XpltFile file;
+  source.passed_over = &file.passed_over;
   std::size_t at = 4;
   const std::optional<Chunk> root = top_chunk(source, at);
   if (!root) fail(source, at, "the file ends in its root");

@@ -130,7 +130,8 @@ struct XpltFile {
   std::vector<XpltVariable> variables;  ///< ordered by group: global, nodal, domain, surface, edge
   std::vector<XpltMesh> meshes;         ///< almost always one
   std::vector<XpltState> states;
-  bool truncated = false;  ///< read_xplt: the last state was cut off and left out
+  bool truncated = false;       ///< read_xplt: the last state was cut off and left out
+  std::size_t passed_over = 0;  ///< read_xplt: parts of a newer file that are unknown
   bool operator==(const XpltFile&) const = default;
 };
 

@@ -973,7 +973,7 @@ TEST_F(Folder, ANewerFileGivesTheSameMapAndNumbers) {
   EXPECT_EQ(newer[0], named[0]);
   EXPECT_EQ(newer[1], named[1]);
   const std::string note =
-      "note: a.xplt: a plot file of version 0x36; dea knows up to 0x35 and passes over what is new\n";
+      "note: a.xplt: a plot file of version 0x36; dea knows up to 0x35 and passes over what is new: 0 parts\n";
   EXPECT_EQ(newer[2], note + named[2]);
   EXPECT_NE(newer[3].find(note), std::string::npos) << newer[3];
 }
