@@ -130,26 +130,23 @@ Hdf5Variable Hdf5File::variable(const Hdf5Object& in, const std::string& name, H
   return v;
 }
 
-Hdf5Dimension Hdf5File::dimension_of(const Hdf5Object& in, const std::string& name, Hdf5Type type,
-                                     std::size_t size) const {
-  const Hdf5Variable scale = variable(in, name, type, {{name, size, nullptr}}, size);
-  return {name, size, scale.dataset};
+template <class Label>
+Hdf5Dimension Hdf5File::labelled(const Hdf5Object& in, const std::string& name, Hdf5Type type,
+                                 const std::vector<Label>& labels) const {
+  const Hdf5Variable scale = variable(in, name, type, {{name, labels.size(), nullptr}}, labels.size());
+  check(H5DSset_scale(*scale.dataset, name.c_str()));
+  write(scale, 0, labels.size(), labels);
+  return {name, labels.size(), scale.dataset};
 }
 
 Hdf5Dimension Hdf5File::dimension(const Hdf5Object& in, const std::string& name,
                                   const std::vector<std::int64_t>& labels) const {
-  const Hdf5Dimension d = dimension_of(in, name, Hdf5Type::Integer, labels.size());
-  check(H5DSset_scale(*d.scale, name.c_str()));
-  write({Hdf5Type::Integer, {d.size}, d.scale}, 0, d.size, labels);
-  return d;
+  return labelled(in, name, Hdf5Type::Integer, labels);
 }
 
 Hdf5Dimension Hdf5File::dimension(const Hdf5Object& in, const std::string& name,
                                   const std::vector<std::string>& labels) const {
-  const Hdf5Dimension d = dimension_of(in, name, Hdf5Type::Text, labels.size());
-  check(H5DSset_scale(*d.scale, name.c_str()));
-  write({Hdf5Type::Text, {d.size}, d.scale}, 0, d.size, labels);
-  return d;
+  return labelled(in, name, Hdf5Type::Text, labels);
 }
 
 void Hdf5File::write_block(const Hdf5Variable& to, std::size_t begin, std::size_t count, std::int64_t type,

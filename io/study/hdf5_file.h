@@ -61,7 +61,9 @@ class Hdf5File {
   Hdf5Object made(std::int64_t id, int (*close)(std::int64_t)) const;
   void check(int result) const;
   [[noreturn]] void fail() const;
-  Hdf5Dimension dimension_of(const Hdf5Object& in, const std::string& name, Hdf5Type type, std::size_t size) const;
+  template <class Label>
+  Hdf5Dimension labelled(const Hdf5Object& in, const std::string& name, Hdf5Type type,
+                         const std::vector<Label>& labels) const;
   void write_block(const Hdf5Variable& to, std::size_t begin, std::size_t count, std::int64_t type,
                    const void* values) const;
 
