@@ -18,8 +18,7 @@ struct ResultFile {
 /// Throws InputError: not a plot file, no complete state.
 ResultFile read_result(const std::string& path, const std::string& label);
 
-/// Of a file of a newer FEBio: "note: hip.xplt: a plot file of version 0x36, newer than ..."; for others is_newer is
-/// false.
+/// Of a file of a newer FEBio (is_newer): its version, and how many parts of it were passed over.
 std::string newer_note(const ResultFile& result);
 
 /// The mesh that belongs to a state.

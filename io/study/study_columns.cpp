@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "io/files/output.h"
@@ -28,40 +29,91 @@ struct Column {
   std::vector<std::string> words = {};  ///< what the numbers 0, 1, ... of a column of words stand for
 };
 
-/// What a query finds, as variables: its rows come in the order of their cases, and are written a block of cases at a
-/// time, so that memory does not grow with them.
-class Pass {
+/// A variable whose values come in the order of their cases. They are written a block of cases at a time, so that
+/// memory does not grow with the cases. What is not given is `none`.
+template <class T>
+class Blocks {
  public:
   /// The first of `dimensions` is that of the cases.
-  Pass(const Hdf5File& file, const Hdf5Object& in, const std::vector<Hdf5Dimension>& dimensions,
-       std::vector<Column> columns)
-      : file_(file), columns_(std::move(columns)), cases_(dimensions.front().size) {
+  Blocks(const Hdf5File& file, const Hdf5Object& in, const std::string& name, Hdf5Type type,
+         const std::vector<Hdf5Dimension>& dimensions, T none)
+      : file_(file), none_(std::move(none)), cases_(dimensions.front().size) {
     for (std::size_t i = 1; i < dimensions.size(); ++i) of_case_ *= dimensions[i].size;
     block_ =
         std::clamp<std::size_t>(kBlockValues / std::max<std::size_t>(1, of_case_), 1, std::max<std::size_t>(1, cases_));
-    for (const Column& c : columns_) {
-      variables_.push_back(file.variable(in, c.name, c.type, dimensions, block_));
-      if (c.type == Hdf5Type::Word) file.words(variables_.back(), c.words);
-    }
-    clear();
+    variable_ = file.variable(in, name, type, dimensions, block_);
+    values_.assign(count() * of_case_, none_);
   }
 
-  /// Of the case of index `of`, at `place` among what a case has; the values begin at column `first` of the row.
-  void add(std::size_t of, std::size_t place, const Statement& row, int first) {
+  /// Where the values of the case of index `of` begin.
+  auto at(std::size_t of) {
     while (of >= begin_ + block_) write();
-    const std::size_t at = (of - begin_) * of_case_ + place;
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const int column = first + static_cast<int>(i);
-      if (columns_[i].type == Hdf5Type::Text)
-        texts_[i][at] = row.text(column);
-      else
-        numbers_[i][at] =
-            columns_[i].type == Hdf5Type::Word ? number_of(columns_[i], row.text(column)) : row.number(column);
-    }
+    return values_.begin() + static_cast<std::ptrdiff_t>((of - begin_) * of_case_);
   }
 
   void finish() {
     while (begin_ < cases_) write();
+  }
+
+  const Hdf5Variable& variable() const { return variable_; }
+
+ private:
+  std::size_t count() const { return std::min(block_, cases_ - begin_); }
+
+  void write() {
+    file_.write(variable_, begin_, count(), values_);
+    begin_ += count();
+    values_.assign(count() * of_case_, none_);
+  }
+
+  const Hdf5File& file_;
+  T none_;
+  Hdf5Variable variable_;
+  std::vector<T> values_;
+  std::size_t cases_, of_case_ = 1, block_ = 1, begin_ = 0;
+};
+
+/// Words as numbers.
+Blocks<double> word_blocks(const Hdf5File& file, const Hdf5Object& in, const std::string& name,
+                           const std::vector<Hdf5Dimension>& dimensions, const std::vector<std::string>& words) {
+  Blocks<double> blocks(file, in, name, Hdf5Type::Word, dimensions, 0.0);
+  file.words(blocks.variable(), words);
+  return blocks;
+}
+
+/// What a query finds, as variables: its rows come in the order of their cases.
+class Pass {
+ public:
+  Pass(const Hdf5File& file, const Hdf5Object& in, const std::vector<Hdf5Dimension>& dimensions,
+       std::vector<Column> columns)
+      : columns_(std::move(columns)) {
+    for (const Column& c : columns_)
+      if (c.type == Hdf5Type::Text)
+        texts_.emplace_back(file, in, c.name, c.type, dimensions, "");
+      else if (c.type == Hdf5Type::Word)
+        numbers_.push_back(word_blocks(file, in, c.name, dimensions, c.words));
+      else
+        numbers_.emplace_back(file, in, c.name, c.type, dimensions, kNaN);
+  }
+
+  /// Of the case of index `of`, at `place` among what a case has; the values begin at column `first` of the row.
+  void add(std::size_t of, std::size_t place, const Statement& row, int first) {
+    const auto offset = static_cast<std::ptrdiff_t>(place);
+    auto text = texts_.begin();
+    auto number = numbers_.begin();
+    int column = first;
+    for (const Column& c : columns_) {
+      if (c.type == Hdf5Type::Text)
+        (text++)->at(of)[offset] = row.text(column);
+      else
+        (number++)->at(of)[offset] = c.type == Hdf5Type::Word ? number_of(c, row.text(column)) : row.number(column);
+      ++column;
+    }
+  }
+
+  void finish() {
+    for (auto& blocks : texts_) blocks.finish();
+    for (auto& blocks : numbers_) blocks.finish();
   }
 
  private:
@@ -73,34 +125,9 @@ class Pass {
     return static_cast<double>(found - column.words.begin());
   }
 
-  std::size_t count() const { return std::min(block_, cases_ - begin_); }
-
-  void clear() {
-    texts_.assign(columns_.size(), {});
-    numbers_.assign(columns_.size(), {});
-    for (std::size_t i = 0; i < columns_.size(); ++i)
-      if (columns_[i].type == Hdf5Type::Text)
-        texts_[i].resize(count() * of_case_);
-      else
-        numbers_[i].resize(count() * of_case_, columns_[i].type == Hdf5Type::Word ? 0.0 : kNaN);
-  }
-
-  void write() {
-    for (std::size_t i = 0; i < columns_.size(); ++i)
-      if (columns_[i].type == Hdf5Type::Text)
-        file_.write(variables_[i], begin_, count(), texts_[i]);
-      else
-        file_.write(variables_[i], begin_, count(), numbers_[i]);
-    begin_ += count();
-    clear();
-  }
-
-  const Hdf5File& file_;
   std::vector<Column> columns_;
-  std::vector<Hdf5Variable> variables_;
-  std::vector<std::vector<std::string>> texts_;
-  std::vector<std::vector<double>> numbers_;
-  std::size_t cases_, of_case_ = 1, block_ = 1, begin_ = 0;
+  std::vector<Blocks<std::string>> texts_;  // in the order of their columns
+  std::vector<Blocks<double>> numbers_;
 };
 
 /// The file that is made, and what all of its parts share.
@@ -307,10 +334,9 @@ struct Sheet {
   std::int64_t model = 0;  ///< whose surface it is, of several that have the same
   std::string contact, source;
   std::vector<std::int64_t> cases = {};  ///< their numbers, in ascending order
-  Hdf5Variable pressure = {}, solved = {};
-  std::size_t of_case = 0, block = 1, begin = 0;  ///< values of a case; cases of a block; cases that are written
-  std::vector<float> values = {};                 ///< of the block that is begun
-  std::vector<double> solutions = {};
+  std::size_t vertices = 0;
+  std::optional<Blocks<float>> pressure = {};  ///< from its first case to its last
+  std::optional<Blocks<double>> solved = {};
   std::pair<std::int64_t, std::int64_t> last = {};  ///< case and state
 };
 
@@ -333,32 +359,17 @@ void begin_sheet(const Columns& c, Sheet& s, const Hdf5Object& in) {
                vertices);
   c.file.write(c.file.variable(in, "triangles", Hdf5Type::Integer, {triangle, corner}, triangle.size), 0, triangle.size,
                std::vector<double>(triangles.begin(), triangles.end()));
-  s.of_case = c.states.size() * vertex.size;
-  s.block = std::clamp<std::size_t>(kBlockValues / std::max<std::size_t>(1, s.of_case), 1, s.cases.size());
-  s.solved = c.file.variable(in, "solved", Hdf5Type::Word, {dimensions[0], dimensions[1]}, s.block);
-  c.file.words(s.solved, kSolvedWords);
-  s.pressure = c.file.variable(in, "pressure", Hdf5Type::Float, dimensions, s.block);
-}
-
-/// Writes the block that is begun, what is lacking in it as NaN, and begins the next.
-void write_block(const Columns& c, Sheet& s) {
-  const std::size_t count = std::min(s.block, s.cases.size() - s.begin);
-  s.values.resize(count * s.of_case, static_cast<float>(kNaN));
-  s.solutions.resize(count * c.states.size(), 0.0);
-  c.file.write(s.pressure, s.begin, count, s.values);
-  c.file.write(s.solved, s.begin, count, s.solutions);
-  s.begin += count;
-  s.values.clear();
-  s.solutions.clear();
+  s.vertices = vertex.size;
+  s.solved.emplace(word_blocks(c.file, in, "solved", {dimensions[0], dimensions[1]}, kSolvedWords));
+  s.pressure.emplace(c.file, in, "pressure", Hdf5Type::Float, dimensions, static_cast<float>(kNaN));
 }
 
 /// A row's pressures, at `column`, and whether its state is a solution behind them.
 void add_field(const Columns& c, Sheet& s, const Statement& row, int column) {
   const std::vector<float> pressure = unpacked<float>(c.database, row.bytes(column));
-  const std::size_t vertices = s.of_case / c.states.size(), index = index_of(s.cases, row.integer(0));
-  if (pressure.size() != vertices)
+  if (pressure.size() != s.vertices)
     throw InputError(fmt::format("{}: found {} pressures of a surface of {} vertices (case {}), expected as many",
-                                 c.database.path(), pressure.size(), vertices, row.integer(0)));
+                                 c.database.path(), pressure.size(), s.vertices, row.integer(0)));
   const std::pair here(row.integer(0), row.integer(1));
   if (here == s.last)
     throw InputError(
@@ -366,18 +377,18 @@ void add_field(const Columns& c, Sheet& s, const Statement& row, int column) {
                     "other names: which of them a field is of cannot be told",
                     c.database.path(), s.contact, s.source, here.first));
   s.last = here;
-  while (index >= s.begin + s.block) write_block(c, s);
-  const std::size_t at = (index - s.begin) * c.states.size() + static_cast<std::size_t>(row.integer(1) - 1);
-  s.values.resize(std::max(s.values.size(), (at + 1) * vertices), static_cast<float>(kNaN));
-  s.solutions.resize(std::max(s.solutions.size(), at + 1), 0.0);
-  std::copy(pressure.begin(), pressure.end(), s.values.begin() + static_cast<std::ptrdiff_t>(at * vertices));
-  s.solutions[at] = row.number(column + 1);
+  const std::size_t index = index_of(s.cases, here.first);
+  const auto state = static_cast<std::ptrdiff_t>(here.second - 1);
+  s.solved->at(index)[state] = row.number(column + 1);
+  std::copy(pressure.begin(), pressure.end(), s.pressure->at(index) + state * static_cast<std::ptrdiff_t>(s.vertices));
 }
 
 /// Writes what is left, and gives its memory free.
-void end_sheet(const Columns& c, Sheet& s) {
-  while (s.begin < s.cases.size()) write_block(c, s);
-  s = {};
+void end_sheet(Sheet& s) {
+  s.pressure->finish();
+  s.solved->finish();
+  s.pressure.reset();
+  s.solved.reset();
 }
 
 void write_fields(const Columns& c) {
@@ -410,13 +421,13 @@ void write_fields(const Columns& c) {
   std::int64_t last = 0;
   const auto end_case = [&] {
     for (Sheet* s : of_case)
-      if (s->cases.back() == last) end_sheet(c, *s);
+      if (s->cases.back() == last) end_sheet(*s);
     of_case.clear();
   };
   each_field(fmt::format(", f.pressure, {}", solved_condition("s")), [&](Sheet& s, const Statement& row) {
     if (row.integer(0) != last) end_case();
     last = row.integer(0);
-    if (!s.pressure.dataset) begin_sheet(c, s, c.file.group(fields, fmt::format("surface_{}", &s - sheets.data() + 1)));
+    if (!s.pressure) begin_sheet(c, s, c.file.group(fields, fmt::format("surface_{}", &s - sheets.data() + 1)));
     if (std::find(of_case.begin(), of_case.end(), &s) == of_case.end()) of_case.push_back(&s);
     add_field(c, s, row, 5);
   });
